@@ -1,8 +1,8 @@
-// What thick glass shows: in its pixels the straight view of ThinGlassPass gives way to rays through the same surfels, leg by leg
-// along the bent path (ThickGlass):
-//   C_t = sum_k P_k C_k    P_k = product of the T_j of the legs j < k
-// Gradients reach the surfels that the legs meet; the path itself counts as fixed, as the ends of straight segments do. Pixels
-// whose path is not bent (total reflection, a hole) keep the straight view.
+// Refracted view through thick glass: replaces the straight view of ThinGlassPass by rays through the same surfels, traced
+// segment by segment along the refracted path (ThickGlass):
+//   C_t = sum_k P_k C_k    P_k = product of the T_j of the segments j < k
+// Gradients reach the surfels that the segments hit; the path itself is constant, as are the endpoints of straight segments.
+// Pixels without a refracted path (total reflection, a hole in the mesh) keep the straight view.
 #pragma once
 
 #include <memory>
@@ -15,22 +15,23 @@
 
 namespace vitrine {
 
-// The ways of many rays through thick glass, leg by leg.
+// Refracted paths of many rays through thick glass, as segments.
 struct BentLegs {
-  std::vector<uint32_t> pixels, begin;  // of the bent rays, and [pixels + 1] their legs
+  std::vector<uint32_t> pixels, begin;  // begin: [pixels + 1] index of the first segment of each refracted ray
   std::vector<Vec3f> origins, directions;
   std::vector<float> far;
-  std::vector<float> passed;  // what the wall lets pass of the leg's light; 1 where the picture's own Fresnel term has all walls
+  std::vector<float> passed;  // transmittance of the glass wall for the segment's light; 1 where the picture's own Fresnel term
+                              // covers all walls
 
-  // Of the pixels `asking` of a frame with its diffuse pass. Writes how their rays go to `path`, [h,w]. `side` x `side` rays a
-  // pixel, of which those that are bent stand one after the other.
+  // Computes the paths of the pixels `asking` of a frame after its diffuse pass. Writes the kind of path to `path`, [h,w].
+  // `side` x `side` rays per pixel; the refracted rays of a pixel are consecutive.
   void find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path,
             int side = 1);
   RayBatch batch() const { return {.origins = origins, .directions = directions, .far = far}; }
 
   struct Shown {
     Vec3f color{};            // C_t
-    float transmittance = 1;  // left for what stands behind everything that the last leg meets
+    float transmittance = 1;  // remaining behind everything that the last segment hits
   };
   // `values`: of batch().
   Shown shown(size_t bent_pixel, const RayValues& values) const;
@@ -38,12 +39,12 @@ struct BentLegs {
 
 class BentRays {
  public:
-  bool any() const { return !legs_.pixels.empty(); }  // of the last forward()
-  // `opened`: the scene without its glass, as frame.behind shows it. Writes radiance and inner_transmittance of bent pixels and
-  // frame.behind.path.
+  bool any() const { return !legs_.pixels.empty(); }  // after the last forward()
+  // `opened`: the scene without glass, as rendered in frame.behind. Writes radiance and inner_transmittance of pixels with
+  // refracted paths, and frame.behind.path.
   void forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame);
-  // Takes the gradients (and the blame, [h,w] or empty) of bent pixels away from the straight view: adds to `grad`, of the shape
-  // of `opened`, and to `statistics`.
+  // Moves the gradients (and the per-surfel error image `blame`, [h,w] or empty) of these pixels from the straight view to the
+  // refracted rays: adds to `grad`, of the shape of `opened`, and to `statistics`.
   void backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics);
 
  private:

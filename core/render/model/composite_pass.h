@@ -1,6 +1,6 @@
-// Puts the layers together in linear light (kernels/layer_blend.h):  linear = w_d C_d + w_r C_r + w_t C_t  in shaded pixels; the
-// others keep the diffuse radiance. The reverse turns frame.grad_linear into the gradient of the diffuse radiance and leaves
-// those of the other radiances and of the materials with the groups of pixels.
+// Blends the layers in linear light (kernels/layer_blend.h):  linear = w_d C_d + w_r C_r + w_t C_t  in shaded pixels; all other
+// pixels keep the diffuse radiance. The backward pass converts frame.grad_linear to the gradient of the diffuse radiance and
+// stores the gradients of the other radiances and of the materials per pixel group.
 #pragma once
 
 #include "core/render/model/pass.h"

@@ -1,5 +1,5 @@
-// Rasterises the diffuse layer; its colour is the radiance that the following passes add to. Where known sheets stand for the
-// glass (SheetPass), it rasterises everything but glass instead, the transmittance layer among it.
+// Rasterises the diffuse layer; later passes add to its radiance. Where known shapes represent the glass (SheetPass),
+// rasterises the scene without glass instead, including the transmittance layer.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ class DiffusePass final : public Pass {
   void backward_of_opened(const SplatScene& scene, Frame& frame, SplatScene& grad);
 
   std::unique_ptr<Renderer> renderer_;
-  bool opened_ = false;  // the last picture is that of Frame::opened
+  bool opened_ = false;  // the last picture was rendered from Frame::opened
   SplatLayer grad_;
   SurfelStatistics statistics_;
 };

@@ -1,8 +1,7 @@
-// Radiance to photo: c = srgb(clamp(gain * l, 0, 1)), once, at the end of the list.
+// Converts linear radiance to sRGB: c = srgb(clamp(gain * l, 0, 1)), as the last pass.
 //   dL/dl = gain * srgb'(gain l) * dL/dc   where 0 <= gain l <= 1 (algorithms 3.6)
-// Above 1 the sensor is blind: no gradient where the picture should become brighter still, but a picture that is too bright for
-// its photo must come down, so the slope at 1 is used for gradients that darken. Below 0 in the same way for gradients that
-// brighten.
+// Above 1 the sensor is saturated: gradients that would brighten the pixel are zero; gradients that darken it use the slope at
+// 1. Below 0 the same holds with the signs swapped.
 #pragma once
 
 #include "core/render/model/pass.h"

@@ -1,4 +1,4 @@
-// The channels of the diffuse pass, read pixel by pixel as inputs of the shading kernels.
+// Per-pixel access to the channels of the diffuse pass, as inputs of the shading kernels.
 #pragma once
 
 #include "core/render/model/frame.h"
@@ -43,12 +43,12 @@ class GBuffer {
     const Vec3f d = corner_ + float(pixel % w) * per_x_ + float(pixel / w) * per_y_;
     return {eye_, d, -normalized(d)};
   }
-  // From the middle of the pixel, so far across and down.
+  // Ray with an offset from the pixel centre, in pixels to the right and down.
   PixelRay<float> ray(uint32_t pixel, float across, float down) const {
     const Vec3f d = ray(pixel).direction_per_z + across * per_x_ + down * per_y_;
     return {eye_, d, -normalized(d)};
   }
-  // The normal of what mirrors, times alpha: on a coat that of its shape.
+  // Normal of the reflecting surface, times alpha: on a coat the normal of its shape.
   Vec3f surface_normal(uint32_t pixel) const {
     return coats_.of_shape(pixel) ? alpha[pixel] * rgb(coats_.normal, pixel) : rgb(normal, pixel);
   }
@@ -56,13 +56,13 @@ class GBuffer {
     const float z = coats_.of_shape(pixel) ? alpha[pixel] * coats_.z[pixel] : zdepth[pixel];
     return {surface_normal(pixel), rgb(f0, pixel), roughness[pixel], z, alpha[pixel]};
   }
-  // A normal that the eye can see from the front: without one there is neither a mirror nor a way through.
+  // The normal must face the camera: otherwise neither reflection nor transmission is defined.
   bool has_surface(uint32_t pixel) const {
     const Vec3f n = surface_normal(pixel);
     const float l = length(n);
     return l > kShortestNormal && dot(n, ray(pixel).view) > float(kMinCosine) * l;
   }
-  // What the blend needs of any pixel.
+  // Blend inputs of any pixel.
   BlendMaterial<float> material(uint32_t pixel) const {
     const Vec3f n = surface_normal(pixel);
     return {(1.f / alpha[pixel]) * rgb(f0, pixel),

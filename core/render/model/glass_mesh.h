@@ -1,5 +1,5 @@
-// Which parts of an extracted mesh are glass: the faces around which the diffuse layer's surfels let light through. Opaque things
-// behind or inside glass are closed shells as well; only those of glass say where a transmitted ray enters and leaves.
+// Glass part of an extracted mesh: the faces whose nearby diffuse surfels transmit light. Opaque objects behind or inside glass
+// are closed surfaces as well; only glass faces define where a transmitted ray enters and leaves.
 #pragma once
 
 #include <vector>
@@ -14,18 +14,19 @@ struct GlassMesh {
   TriMesh glass;                 // the faces of glass
   std::vector<uint32_t> region;  // [faces of glass] connected pieces, numbered by size, the largest first
   size_t regions = 0;
-  float voxel = 0;  // edge of the voxels that the mesh was made from, scene units
+  float voxel = 0;  // edge of the voxels used for extraction, scene units
   MeshHits all;     // of the whole mesh
   MeshHits panes;   // of the glass
 
-  // `voxel` > 0. The mesh may have no face at all.
+  // `voxel` > 0. The mesh may be empty.
   GlassMesh(const TriMesh& mesh, const SplatLayer& diffuse, float voxel);
 
  private:
   GlassMesh(const TriMesh& mesh, TriMesh glass_part, float voxel);
 };
 
-// Per face: the mean tau of the surfels around its centre, by opacity and distance, is above 1/2. Without a surfel near: 0.
+// Per face: 1 if the mean tau of the surfels around its centre, weighted by opacity and distance, exceeds 1/2. 0 without a
+// nearby surfel.
 std::vector<uint8_t> glass_faces(const TriMesh& mesh, const SplatLayer& diffuse, float voxel);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// The image formation: an ordered list of passes, run forwards for a picture and backwards for gradients. The model owns the one
-// set of options that all of its passes read; they may change from picture to picture, the back ends may not.
+// Image formation as an ordered list of passes: forward renders a picture, backward computes gradients. The model owns the
+// options that all of its passes read; options may change between pictures, back ends may not.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace vitrine {
 
-// Sums of zero for every surfel of the scene; no layer has taken part. ImageModel::backward() begins with it; who runs passes
-// alone calls it before.
+// Zeroes the statistics of every surfel and the took_part flags. ImageModel::backward() calls it first; callers that run passes
+// individually must call it themselves.
 void start_statistics(const SplatScene& scene, Frame& frame);
 
 class ImageModel {
@@ -23,8 +23,8 @@ class ImageModel {
   const ImageOptions& options() const { return options_; }
   ImageOptions& options() { return options_; }
 
-  // Appends a pass. Error{Internal}: it reads what no pass before it writes, writes what another does, or changes what one before
-  // it has read.
+  // Appends a pass. Error{Internal}: it reads a part that no earlier pass writes, writes a part of another pass, or changes a
+  // part that an earlier pass has read.
   void add(std::unique_ptr<Pass> pass);
   template <class P, class... Arguments>
   P* emplace(Arguments&&... arguments) {
@@ -37,15 +37,15 @@ class ImageModel {
   std::span<const std::unique_ptr<Pass>> passes() const { return passes_; }
 
   void forward(const SplatScene& scene, const View& view, Frame& frame) const { forward(scene, view, options_, frame); }
-  // With other options than its own, for one picture.
+  // Overrides the model's options for one picture.
   void forward(const SplatScene& scene, const View& view, const ImageOptions& options, Frame& frame) const;
-  // Of the last forward(), with its options. Sets the frame's statistics of all layers.
+  // Backward of the last forward(), with its options. Sets the frame's statistics of all layers.
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) const;
 
  private:
   ImageOptions options_;
   std::vector<std::unique_ptr<Pass>> passes_;
-  std::vector<std::string> writer_, reader_;  // [part] the first pass that does; empty: none
+  std::vector<std::string> writer_, reader_;  // [part] name of the first pass that writes or reads it; empty: none
 };
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// The options of the image formation, one struct per pass. A trainer changes them between steps through ImageModel::options()
-// (the phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
+// Options of the image formation, one struct per pass. Trainers change them between steps through ImageModel::options() to
+// implement training phases; evaluation sets samples and layer images and removes the ray budget.
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,27 @@ struct DiffuseOptions {
   Backend backend = Backend::Cpu;
   int sh_degree = 1;        // used for colour; at most the layer's
   bool distortion = false;  // compute the distortion channel
-  float near_z = 0.01f;     // scene units; surfels nearer to the camera's plane are not seen
-  bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
+  float near_z = 0.01f;     // scene units; near clipping plane
+  bool materials = false;   // blend f0, roughness, k_s, tau even without another layer (a loss reads them)
 };
 
-// Known shapes: surfaces that specular pixels show (ShapePass, roles Mirror and Coat), and panes that are flat mirrors (PanePass,
-// role Sheet). nullptr: none is known.
+// Known shapes: surfaces of specular pixels (ShapePass, roles Mirror and Coat), and flat mirrors and panes (PanePass, role
+// Sheet). nullptr: none.
 struct ShapeOptions {
   std::shared_ptr<const ShapeSet> set = nullptr;
-  float min_alpha = 0.5f;   // no surface below
-  float polished = 0.3f;    // k_s of what is
-  bool silhouettes = true;  // pixels at their silhouettes, too (SilhouettePass)
+  float min_alpha = 0.5f;   // no surface below this alpha
+  float polished = 0.3f;    // minimum k_s of a mirror
+  bool silhouettes = true;  // treat pixels at silhouettes (SilhouettePass)
 };
 
-// Which pixels send rays, and what comes back along them to the diffuse layer.
+// Selection of pixels that send rays, and the gradients that return along the rays to the diffuse layer.
 struct SurfaceOptions {
-  int ray_budget = 0;             // pixels that send rays in one picture; 0 = all that ask
-  float min_alpha = 0.5f;         // no surface below
-  float mask_threshold = 0.5f;    // pixels whose mask exceeds it ask for rays whatever their weights
-  bool normal_gradient = true;    // rays turn normals
-  bool depth_gradient = true;     // rays move surfaces; better off for the first steps with a reflection layer
-  float normal_quantile = 0.99f;  // longer gradients of normals are shortened to this quantile of the picture; 1 = off
+  int ray_budget = 0;             // maximum number of pixels that send rays per picture; 0 = all that request rays
+  float min_alpha = 0.5f;         // no surface below this alpha
+  float mask_threshold = 0.5f;    // pixels whose mask exceeds it request rays regardless of their weights
+  bool normal_gradient = true;    // propagate ray gradients to normals
+  bool depth_gradient = true;     // propagate ray gradients to depths; better off for the first steps with a reflection layer
+  float normal_quantile = 0.99f;  // gradients of normals are clamped to this quantile of the picture; 1 = off
 };
 
 enum class Lobe : unsigned char {
@@ -51,16 +51,16 @@ struct ReflectionOptions {
   TracerBackend backend = TracerBackend::Embree;
   int sh_degree = 1;
   Lobe lobe = Lobe::Mirror;
-  int samples = 1;             // of a rough pixel with Lobe::Sampled: one in training, many at evaluation
+  int samples = 1;             // of a rough pixel with Lobe::Sampled: one in training, many in evaluation
   float mirror_below = 0.05f;  // Lobe::Sampled: smoother surfaces send one mirror ray (their lobe is a few pixels wide)
-  float near = 0.01f;          // scene units; nothing nearer to the surface is seen in it
+  float near = 0.01f;          // scene units; start of the ray from the surface
   float min_transmittance = 1e-3f;
 };
 
-// How what is behind glass comes to the pixel.
+// Rendering of the scene behind glass.
 enum class Glass : unsigned char {
-  Traced,  // rays through the transmittance layer, from just behind the surface (TransmissionPass)
-  Thin,    // straight on: the opaque surfels of the diffuse layer and the transmittance layer, rasterised (ThinGlassPass)
+  Traced,  // rays through the transmittance layer, starting just behind the surface (TransmissionPass)
+  Thin,    // unrefracted: rasterises the opaque surfels of the diffuse layer and the transmittance layer (ThinGlassPass)
 };
 
 struct TransmissionOptions {
@@ -69,27 +69,27 @@ struct TransmissionOptions {
   int sh_degree = 1;
   float near = 0.01f;  // scene units behind the surface
   float min_transmittance = 1e-3f;
-  // Glass::Thin: shells that are solid all the same; what they show comes along bent rays (bent_rays.h). nullptr: none.
+  // Glass::Thin: closed glass meshes that are solid; refracted rays render them (bent_rays.h). nullptr: none.
   std::shared_ptr<const ThickGlass> thick = nullptr;
 };
 
 struct PaneOptions {
-  // So many surfels of the diffuse layer are mirrored, its first ones. What follows are guesses about what no photo shows; panes
-  // that photos do show know better, through the reflection layer.
+  // Number of diffuse surfels that are mirrored, from the first one. The following surfels are guesses about unobserved
+  // regions; panes seen in photos get better reflections from the reflection layer.
   size_t mirrored = SIZE_MAX;
 };
 
 struct CompositeOptions {
   LayerBlend blend = LayerBlend::Layered;
-  // Gradient gate: where the reflected part of the picture varies strongly among neighbours, less gradient reaches the
-  // transmitted radiance: exp(-gate * Var_3x3 sqrt(w_r C_r)) (Shi et al. 2026, "RT-Splatting"). 0 = off.
+  // Gradient gate: high local variance of the reflected radiance reduces the gradient of the transmitted radiance: exp(-gate *
+  // Var_3x3 sqrt(w_r C_r)) (Shi et al. 2026, "RT-Splatting"). 0 = off.
   float gate = 4.f;
   bool layer_images = false;  // fill Frame::layers
 };
 
-// Pictures of a scene that has an opaque twin (OpaquePass).
+// Scenes with an opaque twin (OpaquePass).
 struct OpaqueOptions {
-  float layered = 1;  // share of the layers where no known shape is shown
+  float layered = 1;  // blend weight of the layered picture where no known shape is visible
 };
 
 struct ImageOptions {

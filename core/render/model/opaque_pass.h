@@ -1,11 +1,11 @@
-// A scene with glass or gloss is trained twice: with all layers, and as opaque surfels alone (SplatScene::opaque, its opaque
-// twin). Rays generalise as far as shapes and masks are right, the twin fails where the view changes; errors of the two, and what
-// is accidental in either, have little in common. A picture of the scene as photographed is
+// Blend of the layered picture with the opaque twin (SplatScene::opaque). Scenes with glass or mirrors are trained twice: with
+// all layers, and as opaque surfels only. Rays generalise as far as shapes and masks are right, the twin fails where the view
+// changes; the errors of the two are nearly uncorrelated. The picture under the captured light is
 //
 //   C = s C_layers + (1 - s) C_twin       in linear light
 //
-// with s by object (ShapeSet::Entry::layered), chosen on glass and gloss that neither was trained on, and OpaqueOptions::layered
-// elsewhere. Pictures that somebody learns from, and pictures under another light, are those of the layers.
+// s is per object (ShapeSet::Entry::layered), chosen on held-out pixels of glass and mirrors, and OpaqueOptions::layered
+// elsewhere. Training pictures and relit pictures use the layers only.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace vitrine {
 
-// [h,w] 1 + the entry of the set of shapes that a pixel shows first, glass before mirrors before coats; 0: none. Pixels that
-// SilhouettePass gives to a mirror, those that its silhouette crosses among them, belong to it.
+// [h,w] 1 + the shape entry that a pixel shows first, glass before mirrors before coats; 0: none. Pixels that SilhouettePass
+// assigns to a mirror, including those crossed by its silhouette, belong to that mirror.
 std::vector<uint32_t> shapes_shown(const Frame& frame);
 
 // Radiance of the twin, [3,h,w].

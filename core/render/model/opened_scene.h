@@ -1,5 +1,5 @@
-// Everything but the glass of a scene in one layer (OpenedScene): the surfels of the diffuse layer that are no glass, then the
-// transmittance layer; and the way back for gradients. Spherical harmonics count up to the degrees given, beyond them they are 0.
+// Scene without glass as one layer (OpenedScene): the opaque surfels of the diffuse layer, then the transmittance layer; and
+// the transfer of its gradients back to the layers. Spherical harmonics above the given degrees are 0.
 #pragma once
 
 #include "core/render/model/frame.h"
@@ -7,21 +7,22 @@
 
 namespace vitrine {
 
-// Surfels of a diffuse layer that are no glass, ascending.
+// Indices of the opaque surfels of a diffuse layer, ascending.
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
 
-// Degrees of spherical harmonics that are used of the two layers.
+// Degrees of spherical harmonics used of the two layers.
 struct OpenedDegrees {
   int diffuse = 0, transmittance = 0;
 };
 OpenedDegrees opened_degrees(const SplatScene& scene, const ImageOptions& options);
 
-// Shape and colour alone. Reuses the memory of `opened`.
+// Copies shape and colour only. Reuses the memory of `opened`.
 void without_glass(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& opened);
-// With materials as well: a diffuse layer. Surfels of the transmittance layer have those of an opaque surface without gloss.
+// Copies materials too: a diffuse layer. Surfels of the transmittance layer get the materials of an opaque, non-specular
+// surface.
 void without_glass_with_materials(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& opened);
 
-// Adds gradients and statistics of the opened scene's surfels to those of the layers that they come from.
+// Adds gradients and statistics of the scene without glass to the layers that its surfels were copied from.
 struct OpenedGradients {  // of frame.opened
   const SplatLayer& surfels;
   const SurfelStatistics& statistics;

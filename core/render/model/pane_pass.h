@@ -1,17 +1,18 @@
-// Reflections in flat panes of clear glass, the facets of known shapes of role Sheet, a display case (a box) or a single pane (a
-// plane), and in flat mirrors. A picture in a flat mirror is the picture that a camera behind the mirror takes: the scene is
-// rasterised from there, pane by pane, without the glass. Two panes count in a pixel, the one that its ray enters by and, where
-// it gets past everything inside a closed sheet, the one it leaves by:
+// Planar reflections in flat glass panes and flat mirrors: the facets of known shapes of role Sheet (a box for a display case,
+// a plane for a single pane) and of opaque flat shapes. The reflection equals the picture of a camera mirrored at the plane;
+// for each pane the scene without glass is rasterised from that camera. A pixel uses two panes, the one through which its ray
+// enters and, if the ray passes everything inside a closed case, the one through which it leaves:
 //
-//   near pane   mirrors what lies outside of it          far pane   mirrors what lies on its inner side
+//   near pane   reflects the scene outside the case      far pane   reflects the scene on its inner side
 //
-// (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on the sample scene; the far
-// pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
-// from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
-// Flat mirrors, the facets of known shapes that are opaque, show the scene the same way, with a near pane alone.
-// Pixels take part that ask for a transmission and look through a sheet first (SheetPass), or show a mirror (ShapePass). A flat
-// mirror of known place is one more camera: gradients go through its picture to what it shows, and its own surfels, which
-// training moves a little before it, do not hide the scene from it. None go through the faint pictures in panes. Nothing to do
+// (Further bounces, or the attenuation of the far reflection by the near pane, are worth 43 dB on the sample scene; the far
+// pane 31, both 20.) Reflections show the room as the layers contain it: rooms seen directly in photos are learnt there, not
+// from their faint reflection. Radiance beyond the scene (for example the sky) is left to the rays of the reflection layer.
+// Flat mirrors, the facets of opaque known shapes, are rendered the same way, with a near pane only.
+// The pass covers pixels that request transmission and look through thin glass first (SheetPass) or show a mirror (ShapePass).
+// A flat mirror of known position acts as one more camera: gradients flow through its picture to the mirrored scene. Its own
+// surfels, which training moves slightly in front of the plane, do not occlude the scene in it. No gradients flow through the
+// faint reflections of panes. Without a facet the pass does nothing.
 // without a facet.
 #pragma once
 
@@ -26,10 +27,10 @@
 
 namespace vitrine {
 
-// Of the tolerance of a sheet: what stands nearer to a pane is its frame or its floor, and not seen in it.
+// Fraction of the glass tolerance: surfels closer to a pane belong to its frame or floor and are not reflected in it.
 inline constexpr double kAtPane_rel = 0.4;
 
-// The camera behind a mirror: its picture, turned left to right, is what `view` sees in the plane dot(normal, p) = offset.
+// Camera mirrored at the plane dot(normal, p) = offset: its picture, flipped left to right, is the reflection that `view` sees.
 View mirrored_view(const View& view, const Vec3d& normal, double offset);
 
 class PanePass final : public Pass {
@@ -60,11 +61,11 @@ class PanePass final : public Pass {
   uint32_t entry_of(uint32_t pane) const;
   void find_panes(const Frame& frame, PaneImages& out);
   void find_mirrors(const Frame& frame, PaneImages& out);
-  // The two panes that a pixel's ray passes.
+  // The panes through which a pixel's ray enters and leaves.
   enum Side : unsigned char { Near, Far };
   void mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out);
 
-  // The picture in a flat mirror, whose gradients reach the scene.
+  // The reflection in a flat mirror, whose gradients reach the scene.
   struct MirrorPicture {
     uint32_t pane;
     PictureWindow window;
@@ -76,11 +77,11 @@ class PanePass final : public Pass {
   std::vector<Pane> panes_;                       // the facets of all shapes
   std::vector<uint32_t> first_pane_;              // [entry + 1]
   std::array<std::vector<uint32_t>, 2> pane_of_;  // [side] [h,w] index of panes_, or kNoPane
-  std::vector<uint32_t> own_;                     // [diffuse surfel] 1 + entry of the flat mirror that it shows; 0: none
+  std::vector<uint32_t> own_;                     // [diffuse surfel] 1 + entry of the flat mirror it represents; 0: none
   WindowPicture window_picture_;
   std::vector<uint8_t> wanted_;
   std::vector<MirrorPicture> mirrors_;
-  std::vector<std::unique_ptr<WindowPicture>> pictures_;  // [mirror] kept from frame to frame
+  std::vector<std::unique_ptr<WindowPicture>> pictures_;  // [mirror] reused between frames
   SplatLayer grad_;
   SurfelStatistics statistics_;
 };

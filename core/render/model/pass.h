@@ -1,9 +1,11 @@
-// One step of the image formation. ImageModel runs its list of passes in order and, for gradients, the same list backwards.
+// Interface of one step of the image formation. ImageModel runs its list of passes in order, and for gradients in reverse
+// order.
 //
-// A pass says which parts of the frame it reads, writes and adds to (after the graph of filters of Intel's Open Image Denoise).
-// The model refuses a list in which a part is read before it is written, or changed after it has been read. In reverse a pass
-// changes no values; it reads those of its parts, and reads and changes their gradients: the passes that wrote them come later.
-// What else it reads or changes in reverse has lists of its own. tests/core/render/model/pass_access_test.cpp checks both directions.
+// A pass declares the parts of the frame that it reads, writes and adds to (after the filter graph of Intel's Open Image
+// Denoise). The model rejects a list in which a part is read before it is written, or changed after it was read. A backward
+// pass changes no values; it reads the values of its parts and reads and changes their gradients: the passes that wrote them
+// run later. Other parts read or changed in backward have separate lists. tests/core/render/model/pass_access_test.cpp checks
+// both directions.
 #pragma once
 
 #include <string_view>
@@ -21,18 +23,18 @@ enum class FramePart : unsigned char {
   Coats,                // Frame::coats
   Silhouettes,          // the rest of Frame::silhouette
   Sheets,               // Frame::sheets
-  Surfaces,             // Frame::shaded, but for the two below
+  Surfaces,             // Frame::shaded, except the two parts below
   ReflectionAskers,     // ShadedPixels::asks
   TransmissionAskers,   // likewise
   OpenedScene,          // Frame::opened
-  BehindGlass,          // Frame::behind, but for picture_weight
+  BehindGlass,          // Frame::behind, except picture_weight
   Panes,                // Frame::panes
-  ReflectedRadiance,    // Frame::reflection, likewise
-  TransmittedRadiance,  // Frame::transmission, likewise
+  ReflectedRadiance,    // Frame::reflection, except picture_weight
+  TransmittedRadiance,  // Frame::transmission, except picture_weight
   PictureWeights,       // picture_weight of these three
   LayerImages,          // Frame::layers
   Srgb,                 // Frame::srgb
-  // Of the reverse alone.
+  // Backward only.
   ErrorImage,               // Frame::error_image
   DiffuseStatistics,        // Frame::statistics
   ReflectionStatistics,     // statistics and took_part of Frame::reflection
@@ -42,10 +44,10 @@ inline constexpr size_t kFrameParts = static_cast<size_t>(FramePart::Transmittan
 std::string_view name(FramePart part);  // "diffuse channels"
 
 struct PassAccess {
-  std::vector<FramePart> reads = {};   // as it will stay
-  std::vector<FramePart> writes = {};  // as the first
+  std::vector<FramePart> reads = {};   // final values
+  std::vector<FramePart> writes = {};  // as the first writer
   std::vector<FramePart> adds = {};    // reads and changes
-  // In reverse, beside the values and gradients of the above.
+  // In backward, in addition to the values and gradients of the above.
   std::vector<FramePart> reverse_reads = {};
   std::vector<FramePart> reverse_adds = {};
 };
@@ -55,10 +57,10 @@ class Pass {
   virtual ~Pass() = default;
   virtual std::string_view name() const = 0;
   virtual PassAccess access() const = 0;
-  // Finds its options in frame.options.
+  // Reads its options from frame.options.
   virtual void forward(const SplatScene& scene, Frame& frame) = 0;
-  // Takes the gradients that later passes and the losses left in the frame one step back; adds to `grad`, and to the frame's
-  // statistics of the layers, whose sums of zero ImageModel::backward() sets before.
+  // Propagates the gradients of later passes and losses in the frame one step back; adds to `grad` and to the frame's layer
+  // statistics, which ImageModel::backward() zeroes before.
   virtual void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) = 0;
 };
 

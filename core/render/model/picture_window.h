@@ -1,4 +1,4 @@
-// A window of a picture: a rectangle of its pixels.
+// Rectangular pixel window of a picture.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace vitrine {
 
 struct PictureWindow {
-  int left = 0, top = 0, right = 0, bottom = 0;  // pixels of the picture; left and top inside, right and bottom outside
+  int left = 0, top = 0, right = 0, bottom = 0;  // pixels of the picture; left and top inclusive, right and bottom exclusive
 
   bool empty() const { return left >= right || top >= bottom; }
   int width() const { return right - left; }
@@ -22,17 +22,17 @@ struct PictureWindow {
     }
     extend({x, y, x + 1, y + 1});
   }
-  // Neither is empty.
+  // Requires both non-empty.
   bool meets(const PictureWindow& o) const { return left < o.right && o.left < right && top < o.bottom && o.top < bottom; }
   void extend(const PictureWindow& o) {
     left = std::min(left, o.left), right = std::max(right, o.right);
     top = std::min(top, o.top), bottom = std::max(bottom, o.bottom);
   }
-  // Its pixel that shows (x, y) of the picture.
+  // Index in the window of pixel (x, y) of the picture.
   size_t index(int x, int y) const {
     return static_cast<size_t>(y - top) * static_cast<size_t>(width()) + static_cast<size_t>(x - left);
   }
-  // The camera of the window alone.
+  // Camera cropped to the window.
   View view(View whole) const {
     Intrinsics& k = whole.intrinsics;
     k.width = width(), k.height = height();

@@ -1,7 +1,7 @@
 // Traces the reflection layer from the chosen pixels: radiance = mean over the pixel's rays of W color. Mirror rays leave along
-// w = 2 (v.n) n - v with W = 1; sampled ones along GGX half vectors with the weight of kernels/ggx.h.
-// The reverse runs through ray origin and direction to the point's position and normal, and through W to its
-// roughness. Does nothing while the layer is empty.
+// w = 2 (v.n) n - v with W = 1; sampled rays along GGX half vectors with the weight of kernels/ggx.h.
+// Backward: through ray origin and direction to the point's position and normal, and through W to its roughness. Does nothing
+// while the layer is empty.
 #pragma once
 
 #include <memory>

@@ -1,13 +1,13 @@
-// Specular pixels whose surface is a known shape (core/scene/shape). A mirror turns its picture by twice the error of its normal, and
-// surfels without texture are off by several degrees; a shape that was fitted to silhouettes is right to a fraction of a pixel.
-// After the diffuse layer is drawn and before anything is mirrored, these pixels take position and normal from the shape.
+// Replaces position and normal of specular pixels by those of known shapes (core/scene/shape). A normal error shifts a mirror
+// reflection by twice its angle, and textureless surfels are off by several degrees; a shape fitted to silhouettes is accurate
+// to a fraction of a pixel. Runs after the diffuse layer is rendered and before reflections.
 //
-// A pixel takes part of a mirror where the layer shows something specular, k_s above ShapeOptions::polished: it shows the nearest
-// hit of all shapes that its depth agrees with, not in front of the shape by more than its tolerance (another thing) nor far
-// behind (gaps of the near side show the far side). No gradient moves or turns the surfels there; that of the mirrored rays goes
-// to the parameters of the shape.
-//   A coat keeps its paint: the channels stay as they are, whatever k_s. Where the depth of the pixel lies near a shape of role
-// Coat, Frame::coats has the position and the normal for reflections, if the shape is exact. Such a shape does not learn.
+// Mirror: applies to pixels with k_s above ShapeOptions::polished. The pixel shows the nearest hit of all shapes that is
+// consistent with its depth: the depth is not in front of the shape by more than its tolerance (that is another object) nor far
+// behind it (gaps of the near side show the far side). No gradient moves or rotates the surfels there; the gradient of the
+// reflected rays goes to the parameters of the shape.
+//   Coat: the channels keep the paint, regardless of k_s. Where the depth of the pixel is close to a shape of role Coat,
+// Frame::coats stores position and normal for reflections, if the shape is exact. Such a shape is not trained.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@
 
 namespace vitrine {
 
-// The mirror of known shape that a ray meets where surfels show something at `z`, in units of its direction: the nearest that
-// faces it and that this depth agrees with.
+// The known mirror shape shown at depth `z` along a ray, in units of its direction: the nearest front-facing hit consistent
+// with `z`.
 std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, double z);
 
 class ShapePass final : public Pass {
@@ -31,10 +31,10 @@ class ShapePass final : public Pass {
             .reverse_reads = {FramePart::Surfaces, FramePart::Silhouettes}};  // gradients of the shapes
   }
 
-  // Writes the channels Normal and ZDepth of mirrors, as sums: times alpha; and the coats.
+  // Writes the channels Normal and ZDepth of mirrors, multiplied by alpha, and the coats.
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
-  // [entry][parameter] of the last backward(); empty without shapes in its picture.
+  // [entry][parameter] of the last backward(); empty if its picture had no shapes.
   const std::vector<std::vector<double>>& gradients() const { return gradients_; }
 
  private:
@@ -47,7 +47,7 @@ class ShapePass final : public Pass {
   void shape_gradients(const Frame& frame);
 
   ShapeOptions options_;                   // of the last forward()
-  std::vector<std::vector<Shown>> bands_;  // of the picture of the last forward(), pixels ascending
+  std::vector<std::vector<Shown>> bands_;  // of the last forward(), pixels ascending
   std::vector<std::vector<double>> gradients_;
 };
 

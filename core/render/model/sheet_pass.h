@@ -1,15 +1,14 @@
-// Known sheets and blocks of clear glass (core/scene/shape, roles Sheet and Solid) stand over the picture as surfaces of their own: no
-// surfel shows them. A pixel that looks at a pane in front of what the surfels show takes normal, depth and materials from the
-// shape, and later passes shade it as they shade any glass (metal that the surfels show at the sheet is its frame, no glass). C_t
-// is what the surfels show there, or what bent rays through a block show (ThinGlassPass), dimmed and mirrored over by the Fresnel
-// law of a sheet or of one wall (README 2, 4). So glass takes no surfel of the budget, its silhouette is sharp, and its normals
-// are those of the shape.
+// Renders known thin and solid glass (core/scene/shape, roles Sheet and Solid) as analytic surfaces without surfels. A pixel
+// with glass in front of its surfels takes normal, depth and materials from the shape, and later passes shade it as any glass
+// (specular surfels at the glass are its metal frame, not glass). C_t is the radiance of the surfels there, or of refracted
+// rays through a solid (ThinGlassPass), attenuated and overlaid with reflections by the Fresnel equations of thin glass or of
+// one wall (README 2, 4). So glass needs no surfels, its silhouette is sharp, and its normals are those of the shape.
 //
-// Coverage: pixels that the silhouette of a sheet crosses are covered by the share of their four quarters whose middles meet it;
-// tau is that share. Where nothing is known of glass (no shape), nothing is drawn, and what is seen through it stays as it is.
+// Coverage: a pixel crossed by the silhouette of the glass is covered by the share of its four quarter-pixel centres that hit
+// it; tau is that share. Glass without a known shape is not rendered, and the scene behind it remains as is.
 //
-// Surfels that carry the glass for other programs (tau above one half) are not drawn by DiffusePass where this pass acts. No
-// gradient reaches the channels that the sheet overwrites.
+// DiffusePass skips the glass surfels exported for other programs (tau above one half) where this pass is active. The channels
+// overwritten by the glass receive no gradient.
 #pragma once
 
 #include <vector>
@@ -18,7 +17,7 @@
 
 namespace vitrine {
 
-// Whether glass is drawn from its shapes.
+// Whether glass is rendered from its shapes.
 bool draws_sheets(const ImageOptions& options);
 
 class SheetPass final : public Pass {
@@ -26,7 +25,7 @@ class SheetPass final : public Pass {
   std::string_view name() const override { return "sheet"; }
   PassAccess access() const override { return {.writes = {FramePart::Sheets}, .adds = {FramePart::DiffuseChannels}}; }
 
-  // Writes Normal, ZDepth, MedianZ, F0, Roughness, SpecularWeight, Transmission and, where it is more, Alpha.
+  // Writes Normal, ZDepth, MedianZ, F0, Roughness, SpecularWeight, Transmission and, where larger, Alpha.
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
@@ -39,7 +38,7 @@ class SheetPass final : public Pass {
   };
   void look(const Frame& frame, bool reflects);
 
-  std::vector<Seen> middles_;  // [h,w] at the pixel's middle
+  std::vector<Seen> middles_;  // [h,w] at the pixel centre
 };
 
 }  // namespace vitrine

@@ -1,13 +1,12 @@
-// Reflections in curved sheets of clear glass: known shapes of role Sheet without flat facets (a dome, a bottle, any mesh). A
-// flat pane shows a picture (PanePass); here rays are mirrored one by one, at the wall that the pixel's ray enters by and, where
-// it gets past everything inside, at the wall that it leaves by:
+// Traced reflections in curved thin glass: known shapes of role Sheet without flat facets (a dome, a bottle, any mesh). Flat
+// panes use a rasterised picture (PanePass); here each ray is reflected individually, at the glass wall where the pixel's ray
+// enters and, if it passes everything inside, at the wall where it leaves:
 //
-//   near wall   mirrors what lies outside of it          far wall   mirrors what lies on its inner side
+//   near wall   reflects the scene outside               far wall   reflects the scene on its inner side
 //
-// The rays go through the scene without its glass (FramePart::OpenedScene); what lies beyond all of it is left to the reflection
-// layer, as with panes (kernels/pane_blend.h). No gradient reaches what they meet: the scene is learnt where photos show it
-// directly. Pixels of a group share the rays of the chosen one; whether and where a pixel looks out through the far wall is its
-// own.
+// The rays pass through the scene without glass (FramePart::OpenedScene); radiance beyond it is left to the reflection layer,
+// as for panes (kernels/pane_blend.h). The hit surfels receive no gradient: photos that show them directly train them. Pixels
+// of a group share the rays of the chosen pixel; the exit point at the far wall is computed per pixel.
 #pragma once
 
 #include <memory>
@@ -34,15 +33,15 @@ class ShellPass final : public Pass {
   struct Wall {
     Vec3d position, normal;          // outwards
     float cosine = 0;                // of the ray with the normal
-    bool met = false, open = false;  // open: the pixel looks out through it, past everything inside
+    bool met = false, open = false;  // open: the ray leaves through it, past everything inside
   };
-  // The far wall of a pixel's shell.
+  // The far glass wall of a pixel's ray.
   Wall far_wall(const Frame& frame, uint32_t pixel) const;
   void emit(const Frame& frame);
   void spread_to_groups(Frame& frame) const;
 
   std::unique_ptr<Tracer> tracer_;
-  std::vector<Bounds3> shell_;  // [entry] bounds of a curved sheet; empty of other shapes
+  std::vector<Bounds3> shell_;  // [entry] bounds of curved thin glass; empty for other shapes
   struct Mirrored {
     uint32_t group;
     bool far;

@@ -1,15 +1,15 @@
-// Silhouettes of known shapes. Surfels end in a blur, and at the edge of a specular object that blur mixes the normals and the
-// materials of two things that have nothing in common; what such a pixel mirrors belongs to neither. The shape tells how much of
-// a pixel it covers (silhouette_pixels.h), so that pixels near the silhouette show two pictures side by side,
+// Anti-aliased silhouettes of known shapes. Surfel edges are blurred; at the edge of a specular object the blur mixes the
+// normals and materials of two unrelated surfaces, so the reflection there is wrong. The shape determines its coverage of a
+// pixel (silhouette_pixels.h), and pixels near the silhouette blend two pictures,
 //
-//   C = c C_shape + (1 - c) C_rest        c: how much of the pixel the shape covers
+//   C = c C_shape + (1 - c) C_rest        c: coverage of the pixel by the shape
 //
-// C_rest: the scene without the surfels that show shapes, rasterised for these pixels. C_shape: shaded like any other pixel, with
-// position and normal of the shape and the materials of the nearest pixel farther inside. Where something stands in front (a
-// pane), or no specular surfel shows the shape nearby, the picture stays as it was.
+// C_rest: the scene without the surfels of the shapes, rasterised for these pixels. C_shape: shaded like any other pixel, with
+// position and normal of the shape and the materials of the nearest pixel farther inside. Pixels with an occluder in front (a
+// pane), or without a specular surfel of the shape nearby, remain unchanged.
 //
-// SilhouettePass gives the pixels their channels, after ShapePass; SilhouetteBlendPass adds C_rest, after CompositePass.
-// Gradients reach the rest, the materials and, through c, the shape: photos see its silhouette.
+// SilhouettePass writes the channels of the pixels, after ShapePass; SilhouetteBlendPass adds C_rest, after CompositePass.
+// Gradients reach C_rest, the materials and, through c, the shape: photos constrain its silhouette.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,7 @@ class SilhouettePass final : public Pass {
     return window_.index(static_cast<int>(pixel) % width, static_cast<int>(pixel) / width);
   }
   void draw_rest(const SplatScene& scene, Frame& frame);
-  // The pixel farther inside whose materials `at` takes; UINT32_MAX: there is none.
+  // The pixel farther inside that provides the materials of `at`; UINT32_MAX: none.
   uint32_t donor(const SilhouettePixel& at, const Frame& frame) const;
   bool fits(const SilhouettePixel& at, const Frame& frame) const;
   void show(const SilhouettePixel& at, uint32_t donor, Frame& frame) const;
@@ -47,8 +47,8 @@ class SilhouettePass final : public Pass {
   ShapeOptions options_;          // of the last forward()
   std::vector<uint8_t> in_band_;  // [h,w]
   std::vector<uint32_t> donors_;  // [silhouette pixel]
-  PictureWindow window_;          // that the silhouettes lie in
-  WindowPicture rest_;            // what stands behind the solids, there
+  PictureWindow window_;          // bounds of the silhouettes
+  WindowPicture rest_;            // scene behind the shapes, in the window
   std::vector<uint8_t> wanted_;
   std::vector<float> blame_;
 };

@@ -1,13 +1,14 @@
-// From the diffuse channels to the surfaces that reflect or transmit: chooses the pixels that send rays and resolves what is
-// there (position, normal, materials). The reverse takes the gradients of those points to the channels.
+// Selects the pixels that send rays and computes their surface points (position, normal, materials) from the diffuse channels.
+// Backward propagates the gradients of the points to the channels.
 //
-// A pixel asks for a reflection when alpha > min_alpha and (k_s > 1/255 or its specular mask is set), for a transmission likewise
-// with tau and the transparent mask (which asks for both). Askers are put in an order in which neighbours follow each other and
-// cut into as many equal groups as the budget allows; one of each group, drawn from (seed, step, group), sends its rays.
-//   The others show the same radiance under their own materials, and pass no gradient; the chosen one's gradient counts for the
-// whole group. Every pixel is chosen with probability 1/size, hence the expected gradient of a loss that is a sum over pixels is
-// the gradient with all rays traced.
-//   Pixels of a coat ask for a reflection whatever their k_s. Its rays neither move nor turn the surfels of the paint, and f0
+// A pixel requests reflection if alpha > min_alpha and (k_s > 1/255 or its specular mask is set), transmission likewise with
+// tau and the transparent mask (which requests both). Requesting pixels are sorted so that neighbours are adjacent and split
+// into as many equal groups as the budget allows; one pixel of each group, sampled from (seed, step, group), sends its rays.
+//   The others use the same radiance with their own materials and propagate no gradient; the gradient of the chosen pixel
+// counts for the whole group. Every pixel is chosen with probability 1/size, hence the expected gradient of a loss that is a
+// sum over pixels equals the gradient with all rays traced.
+//   Pixels of a coat request reflection regardless of k_s. Their rays neither move nor rotate the surfels of the paint, and f0
+// remains that of the clear coat.
 // stays that of the clear layer.
 #pragma once
 
@@ -33,7 +34,7 @@ class SurfacePass final : public Pass {
     uint32_t pixel;
     LayersPresent asks;
   };
-  std::vector<std::vector<Asker>> bands_;  // of each row of tiles
+  std::vector<std::vector<Asker>> bands_;  // per row of tiles
   std::vector<float> lengths_;
 };
 

@@ -1,8 +1,8 @@
-// Closed shells that are solid glass (pieces of an extracted mesh, known shapes), and the way of a ray through them
-// (algorithms 5.2): bent by Snell's law where it enters and where it leaves, at the smoothed mesh's interpolated normals. Where
-// it cannot leave it is mirrored inside (total reflection) and goes on. A shell in a shell is the same glass. What interfaces
-// reflect of light that can pass is no part of the path. A ray that is still inside after kMostLegs keeps the straight way, and
-// so does one that meets a hole or a surface that is not the one the picture shows.
+// Refraction through solid glass: closed meshes (parts of an extracted mesh, known shapes) and the path of a ray through them
+// (algorithms 5.2). The ray is refracted by Snell's law at entry and exit, with the interpolated normals of the smoothed mesh;
+// at total internal reflection it is reflected inside and continues. A mesh nested in another is the same glass. Partial
+// reflections at the interfaces are not part of the path. The ray stays straight if it is still inside after kMostLegs
+// segments, hits a hole, or hits a surface that is not the one shown in the picture.
 #pragma once
 
 #include <array>
@@ -17,36 +17,37 @@
 namespace vitrine {
 
 enum class GlassPath : unsigned char {
-  Straight,         // no thick glass, or not where the picture shows a surface
-  Bent,             // in and out again
-  TotalReflection,  // mirrored inside again and again
-  NoExit,           // met a hole of the shell
+  Straight,         // no thick glass, or none at the surface shown in the picture
+  Bent,             // entered and left
+  TotalReflection,  // total internal reflections up to the limit
+  NoExit,           // hit a hole of the mesh
 };
 
 struct BentRay {
   struct Leg {
     Vec3f origin{}, direction{};
-    float length = 0;  // the last one's is infinite
-    float passed = 1;  // of its light at its beginning, by Fresnel's law; all at the first wall, whose reflection the picture has
+    float length = 0;  // of the last segment: infinite
+    float passed = 1;  // Fresnel transmittance at its start; 1 at the first wall, whose reflection is in the picture
   };
-  static constexpr size_t kMostLegs = 8;  // of a way that is longer the path is TotalReflection inside of glass, NoExit outside
+  static constexpr size_t kMostLegs = 8;  // longer paths are TotalReflection if inside glass, NoExit if outside
   GlassPath path = GlassPath::Straight;
-  uint32_t leg_count = 0;  // from the front surface on: inside (again after each total reflection), outside, ...; 0 unless bent
+  uint32_t leg_count = 0;  // starting at the front surface: inside (again after each total reflection), outside, ...; 0 unless
+                           // Bent
   std::array<Leg, kMostLegs> legs{};
 };
 
 class ThickGlass {
  public:
-  // `ior` > 1. `tolerance`: how far apart the mesh and the depth of the picture may be, scene units, beside 1 %.
+  // `ior` > 1. `tolerance`: maximum distance between the mesh and the depth of the picture, scene units, in addition to 1 %.
   ThickGlass(TriMesh mesh, float ior, float tolerance);
 
-  // `direction` unit; `surface`: the distance at which the picture shows a surface.
+  // `direction` unit; `surface`: distance of the surface shown in the picture.
   BentRay path(const Vec3f& eye, const Vec3f& direction, float surface) const;
 
   Vec3f normal_at(uint32_t face, const Vec3f& point) const;  // interpolated, outwards
-  // How far it is from a place on the shell, or just inside, to the other side; nullopt where the shell has a hole there.
+  // Distance from a point on or just inside the mesh to the opposite side; nullopt if the mesh has a hole there.
   std::optional<float> thickness(const Vec3f& place, const Vec3f& outward_normal) const;
-  // Whether a place is in the glass: most of a few rays from it meet the shell from inside.
+  // Whether a point is in the glass: most of a few rays from it hit the mesh from inside.
   bool contains(const Vec3f& place) const;
 
   const TriMesh& mesh() const { return mesh_; }  // closed, smooth, with normals
@@ -59,8 +60,8 @@ class ThickGlass {
   MeshHits hits_;
 };
 
-// The chosen regions of the glass (`chosen`: [mesh.regions]), smoothed. nullptr when none is chosen.
-// The shapes of role Solid. nullptr: there is none.
+// Selected regions of the glass mesh (`chosen`: [mesh.regions]), smoothed. nullptr if none is selected.
+// Shapes of role Solid. nullptr: none.
 std::shared_ptr<const ThickGlass> solid_glass(const ShapeSet& shapes);
 std::shared_ptr<const ThickGlass> thick_glass(const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior);
 

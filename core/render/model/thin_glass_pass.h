@@ -1,16 +1,16 @@
-// What thin glass shows of what stands behind it. A thin pane does not bend rays (algorithms 5.1), so the transmitted ray is the
-// rest of the pixel's own: C_t is a picture from the same camera of everything but the glass. The opaque surfels of the diffuse
-// layer and the transmittance layer are rasterised together, in exact depth order:
+// Transmission through thin glass, rasterised. A thin pane does not refract rays (algorithms 5.1), so the transmitted ray
+// continues the camera ray: C_t is the picture of the scene without glass from the same camera. The opaque surfels of the
+// diffuse layer and the transmittance layer are rasterised together, in exact depth order:
 //
 //   C_t = sum w c  over  { i in D : tau_i <= 1/2 }  and  T
 //
-// which is C_in + T_in C_out of the README with the diffuse layer as what lies outside. The rasteriser is the tracer's equal
-// there (a test of core/render/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
-// stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
-// through it only. Every pixel that asks for it has its own C_t, whichever pixels of a group send rays; the others cost nothing.
-// Where known sheets stand for the glass (SheetPass), that picture is the one that DiffusePass has drawn already. Does nothing
-// unless TransmissionOptions::glass is Glass::Thin and there is a layer or a sheet. Where glass is thick
-// (TransmissionOptions::thick), rays bent by it take the place of the straight ones (BentRays).
+// This equals C_in + T_in C_out of the README with the diffuse layer as the outside. The rasteriser matches the tracer there
+// (tested in core/render/trace), is several times faster, and filters details below a pixel. Objects in the room are thus one
+// set of surfels, whether a photo sees them directly or through the glass; the transmittance layer contains only what is seen
+// through it. Every requesting pixel has its own C_t, whichever pixels of a group send rays; other pixels cost nothing. Where
+// known shapes represent the glass (SheetPass), DiffusePass has already rendered this picture. Does nothing unless
+// TransmissionOptions::glass is Glass::Thin and there is a layer or known glass. Where glass is thick
+// (TransmissionOptions::thick), refracted rays replace the straight ones (BentRays).
 #pragma once
 
 #include <memory>
@@ -23,7 +23,6 @@ namespace vitrine {
 
 class ThinGlassPass final : public Pass {
  public:
-  // `backend`: of the rasteriser.
   explicit ThinGlassPass(Backend backend) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "thin_glass"; }
   PassAccess access() const override {
@@ -42,9 +41,9 @@ class ThinGlassPass final : public Pass {
   void draw(const SplatScene& scene, Frame& frame);
 
   std::unique_ptr<Renderer> renderer_;
-  bool drawn_ = false;           // the picture is that of DiffusePass
-  SplatLayer grad_;              // of the opened scene
-  std::vector<uint8_t> wanted_;  // [h,w] pixels that ask for what stands behind them
+  bool drawn_ = false;           // the picture was rendered by DiffusePass
+  SplatLayer grad_;              // of the scene without glass
+  std::vector<uint8_t> wanted_;  // [h,w] pixels that request transmission
   RasterImages picture_, gradients_;
   std::vector<float> blame_;
   SurfelStatistics statistics_;

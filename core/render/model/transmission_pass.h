@@ -1,9 +1,9 @@
-// Traces the transmittance layer straight on from just behind the chosen pixels' surfaces: radiance = color, and the layer's
-// residual transmittance. No gradient reaches the surface: a straight ray does not depend on its normal, and hits do not change
-// when its origin slides along it. Does nothing while the layer is empty, or when the
-// glass is thin (TransmissionOptions::glass): then ThinGlassPass does this work.
-//   What lies behind the layer is the business of a pass after this one: it adds inner_transmittance * C_out to
-// frame.transmission.radiance, and in reverse to frame.transmission.gradients.transmittance.
+// Traces the transmittance layer straight on from just behind the chosen pixels' surfaces: radiance = color, plus the residual
+// transmittance of the layer. No gradient reaches the surface: a straight ray does not depend on its normal, and its hits do
+// not change when its origin moves along it. Does nothing while the layer is empty, or when the glass is thin
+// (TransmissionOptions::glass): then ThinGlassPass replaces it.
+//   A later pass adds the radiance behind the layer: inner_transmittance * C_out to frame.transmission.radiance, and in
+// backward to frame.transmission.gradients.transmittance.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// A window of a picture, drawn from a part of a layer: of what stands beside it nothing is copied or drawn. Passes that need such
-// a picture (PanePass, SilhouettePass) say which surfels take part.
+// Rasterises a window of a picture from a subset of a layer. Surfels outside the window are neither copied nor rasterised. The
+// passes that use it (PanePass, SilhouettePass) select the surfels.
 #pragma once
 
 #include <algorithm>
@@ -16,17 +16,17 @@
 
 namespace vitrine {
 
-// What a picture can show: most of a scene is beside a small window, and copying it costs as much as drawing the rest.
+// View frustum for culling: most of a scene is outside a small window, and copying it costs as much as rasterising the rest.
 class Frustum {
  public:
   explicit Frustum(const View& view) : cam_from_world_(view.cam_from_world) {
     const Intrinsics& k = view.intrinsics;
-    // Through the eye and an edge of the picture, inwards.
+    // Planes through the eye and the edges of the picture, facing inwards.
     sides_ = {Vec3d{k.fx, 0, k.cx + kMargin}, Vec3d{-k.fx, 0, k.width + kMargin - k.cx}, Vec3d{0, k.fy, k.cy + kMargin},
               Vec3d{0, -k.fy, k.height + kMargin - k.cy}};
     for (Vec3d& n : sides_) n = normalized(n);
   }
-  // A surfel: its mean and the logarithms of its two standard deviations.
+  // `log_scale`: logarithms of the two standard deviations of the surfel.
   bool may_show(const Vec3f& mean, const float* log_scale) const {
     const Vec3d p = cam_from_world_ * cast<double>(mean);
     double outside = -p.z;
@@ -35,7 +35,7 @@ class Frustum {
   }
 
  private:
-  static constexpr float kReach = 3.5f;  // standard deviations of a surfel's extent: beyond, it is nowhere above 1/255
+  static constexpr float kReach = 3.5f;  // extent of a surfel in standard deviations: beyond, it is below 1/255
   static constexpr double kMargin = 4;   // pixels, for the low-pass of the rasteriser
   Rigid cam_from_world_;
   std::array<Vec3d, 4> sides_;
@@ -45,7 +45,7 @@ class WindowPicture {
  public:
   explicit WindowPicture(Backend backend) : renderer_(make_renderer(backend)) {}
 
-  // Chooses, in the order of `layer`, the surfels i for which takes_part(i) holds and that `window` may show.
+  // Selects, in the order of `layer`, the surfels i for which takes_part(i) holds and that intersect the frustum of `window`.
   template <class TakesPart>
   void choose(const SplatLayer& layer, const View& window, const TakesPart& takes_part) {
     window_ = window;
@@ -68,18 +68,18 @@ class WindowPicture {
     int sh_degree = 0;  // at most the layer's
     float near_z = 0.01f;
     std::span<const uint8_t> wanted = {};  // RasterDesc::wanted
-    bool differentiable = false;           // gradients() will be asked for
+    bool differentiable = false;           // gradients() will be called
   };
   const RasterImages& draw(const Style& style);
   const RasterImages& picture() const { return picture_; }
 
-  // Zero after draw(); of the same planes.
+  // Zero after draw(); same planes.
   RasterImages& gradients() { return gradients_; }
-  // From gradients() to the chosen surfels of the layer and their statistics, added. `error`: [window] or empty.
+  // Propagates gradients() to the chosen surfels of the layer and their statistics (added). `error`: [window] or empty.
   void backward(std::span<const float> error, SplatLayer& grad, SurfelStatistics& statistics);
 
  private:
-  static constexpr size_t kGrain = 1024;  // surfels
+  static constexpr size_t kGrain = 1024;  // surfels per parallel chunk
   void copy_chosen(const SplatLayer& layer);
 
   std::unique_ptr<Renderer> renderer_;

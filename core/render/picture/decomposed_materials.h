@@ -39,7 +39,7 @@ inline std::filesystem::path decomposed_environment_path(const std::filesystem::
 }
 
 // Surroundings of the mesh (walls of the room): triangles with the albedo as vertex colour. They occlude and reflect light. The
-// file is missing when the photos show no walls.
+// file is missing if the photos show no walls.
 inline std::filesystem::path decomposed_surroundings_path(const std::filesystem::path& folder) {
   return folder / "decompose" / "surroundings.ply";
 }
@@ -47,7 +47,7 @@ inline std::filesystem::path decomposed_surroundings_path(const std::filesystem:
 // `folder`: an artifact of the decompose stage, or an output folder. Throws Error{Input} with file and cause (missing, truncated,
 // other properties, a value that is not in [0, 1]).
 DecomposedMaterials read_decomposed_materials(const std::filesystem::path& folder);
-// Throws also where they are those of another scene: other numbers of surfels.
+// Also throws if the numbers of surfels differ from the scene's.
 DecomposedMaterials read_decomposed_materials(const std::filesystem::path& folder, const SplatScene& scene);
 void write_decomposed_materials(const std::filesystem::path& folder, const DecomposedMaterials& materials);
 

@@ -32,18 +32,18 @@ class SurfelColors {
   RasterImages images_;
 };
 
-// The albedo that a trained scene shows, as a picture: of the diffuse layer, and in pixels of clear glass of what stands behind
-// it (core/render/model/opened_scene.h), as far as they are clear.
+// Renders the albedo of a trained scene: of the diffuse layer, and in pixels of clear glass of the scene behind it
+// (core/render/model/opened_scene.h), weighted by their transmission.
 class AlbedoPainter {
  public:
-  // `materials`: of this scene. Without an albedo of what stands behind glass, its glass is as opaque as anything.
+  // `materials`: of this scene. Without an albedo behind glass, the glass is treated as opaque.
   AlbedoPainter(const SplatScene& scene, const ImageOptions& image, const DecomposedMaterials& materials);
   // [h, w, 3] at the size of the view's intrinsics, linear; 0 where there is no surface.
   ImageF picture(const View& view);
 
  private:
   std::optional<SurfelColors> first_, clear_;  // of the first surfaces: albedo, transmission in all channels
-  std::optional<SurfelColors> behind_;         // everything but the glass
+  std::optional<SurfelColors> behind_;         // scene without glass
 };
 
 }  // namespace vitrine

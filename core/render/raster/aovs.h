@@ -1,4 +1,4 @@
-// Output channels of a raster pass (arbitrary output variables): ONE ROW EACH; channel offsets are derived, never typed.
+// Output channels of a raster pass (arbitrary output variables): one row each; channel offsets are derived from the table.
 // Blended features (sum of w_i f_i) come first, geometric channels (computed per fragment) after them.
 #pragma once
 
@@ -29,12 +29,12 @@ inline constexpr std::array<AovRow, kAovCount> kAovs{{
     {Aov::Transmission, "transmission", 1, true},
     {Aov::ZDepth, "zdepth", 1, false},          // sum of w_i z_i: divide by alpha for the mean depth
     {Aov::Alpha, "alpha", 1, false},            // 1 - final transmittance
-    {Aov::MedianZ, "median_z", 1, false},       // z where the transmittance falls through one half
+    {Aov::MedianZ, "median_z", 1, false},       // z where the transmittance falls below one half
     {Aov::Distortion, "distortion", 1, false},  // depth distortion (kernels/blend.h), per pixel
 }};
 constexpr const AovRow& row(Aov a) { return kAovs[static_cast<size_t>(a)]; }
 
-// Which channels a pass asks for: the whole table, or the first features only (an opaque scene has no materials to blend).
+// Channels that a pass produces: the whole table, or only the first features (an opaque scene has no materials to blend).
 enum class FeatureSet : unsigned char { ColorOnly = 3, Surface = 6, Material = 12 };  // value = number of feature channels
 constexpr size_t feature_count(FeatureSet s) { return static_cast<size_t>(s); }
 

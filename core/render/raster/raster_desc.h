@@ -1,4 +1,4 @@
-// What to rasterise, and the buffers that come out. Planar images: channel c of pixel (x, y) is at [(c * h + y) * w + x].
+// Parameters and output images of a raster pass. Planar images: channel c of pixel (x, y) is at [(c * h + y) * w + x].
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ struct RasterDesc {
   int sh_degree = 3;                    // used for colour; at most the layer's
   float near_z = 0.01f, far_z = 100.f;  // scene units; near culls, both define the distortion's depth mapping
   Vec3f background{0, 0, 0};            // linear; blended behind the colour channels
-  bool low_pass = true;                 // screen-space low-pass (algorithms 1.4); off only to compare with the ray tracer
+  bool low_pass = true;                 // screen-space low-pass (algorithms 1.4); off only for comparison with the ray tracer
   bool distortion = false;              // compute the distortion channel
-  // [h, w] or empty = all pixels: where it is 0, a pixel shows the background as if no surfel were there, costs nearly nothing
-  // (whole blocks of 4x4 nothing), passes no gradient and counts in no statistics. Must outlive backward().
+  // [h, w] or empty = all pixels. A pixel with value 0 gets the background as if there were no surfels, costs almost nothing (a
+  // whole block of 4x4 nothing), propagates no gradient and is not in the statistics. Must outlive backward().
   std::span<const uint8_t> wanted = {};
 };
 
@@ -32,15 +32,15 @@ bool produces(const RasterDesc& desc, Aov aov);
 // Programming error unless desc.wanted is empty or has the size of the picture.
 void check_wanted(const RasterDesc& desc);
 
-// One image per AOV that the desc asked for; others are empty.
+// One image per AOV produced by the desc; others are empty.
 struct RasterImages {
   int width = 0, height = 0;
   std::array<std::vector<float>, kAovCount> planes;  // [width(aov) * h * w]
   std::span<float> plane(Aov a) { return planes[static_cast<size_t>(a)]; }
   std::span<const float> plane(Aov a) const { return planes[static_cast<size_t>(a)]; }
-  // Sizes the planes for `desc`; the values are whatever they were (zero when new).
+  // Sizes the planes for `desc`; values are unspecified (zero when new).
   void resize(const RasterDesc& desc);
-  // The same, and sets all to zero.
+  // Also sets all values to zero.
   void reset(const RasterDesc& desc);
 };
 

@@ -1,9 +1,11 @@
-// Fresnel reflectance (README 2):  F = f0 + (1 - f0) q(c),  c = n.v clamped to [0, 1], f0 what is reflected head on. q rises from
-// 0 to 1 at grazing incidence:
+// Fresnel reflectance (README 2):  F = f0 + (1 - f0) q(c),  c = n.v clamped to [0, 1], f0 the reflectance at normal incidence.
+// q increases from 0 to 1 at grazing incidence:
 //   surfaces       q = (1 - c)^5                                       (Schlick 1994)
-//   clear sheets   q = (S(c) - S(1)) / (1 - S(1)),  S = 2R/(1+R)        R: unpolarised Fresnel reflectance at index 1.5
-//   solid glass    q = (R(c) - R(1)) / (1 - R(1))                       one wall; rays meet the others on their way
-// A pane mirrors at both of its sides, to and fro: S sums that up. It is steeper than Schlick's curve: 0.17 and 0.43 at 61 and 77
+//   thin glass     q = (S(c) - S(1)) / (1 - S(1)),  S = 2R/(1+R)        R: unpolarised Fresnel reflectance at index 1.5
+//   solid glass    q = (R(c) - R(1)) / (1 - R(1))                       one wall; rays hit the others on their path
+// A pane reflects at both sides, repeatedly: S is the sum of all reflections. It is steeper than Schlick's curve: 0.17 and 0.43
+// at 61 and 77 degrees where Schlick's, from the same 0.077 at normal incidence, gives 0.11 and 0.34. Coatings change f0 but
+// not q.
 // degrees where that, from the same 0.077 head on, has 0.11 and 0.34. Coatings change f0 and keep the shape.
 #pragma once
 
@@ -14,12 +16,12 @@
 namespace vitrine {
 
 inline constexpr double kGlassIndex = 1.5;
-// What a pane of it reflects head on: S(1) with R = ((n - 1)/(n + 1))^2.
+// Reflectance of a pane at normal incidence: S(1) with R = ((n - 1)/(n + 1))^2.
 inline constexpr double kPaneReflectance = [] {
   constexpr double r = (kGlassIndex - 1) / (kGlassIndex + 1), R = r * r;
   return 2 * R / (1 + R);
 }();
-// And one wall of it, R(1).
+// Reflectance of one wall, R(1).
 inline constexpr double kWallReflectance = (kGlassIndex - 1) * (kGlassIndex - 1) / ((kGlassIndex + 1) * (kGlassIndex + 1));
 
 template <class T>
@@ -73,7 +75,7 @@ Grazing<T> wall_grazing(const T& cosine) {
   return {(R - T(kWallReflectance)) * per, slope_R * per};
 }
 
-// `clear`: how far the surface is a clear sheet, or one wall of solid glass, in [0, 1].
+// `clear`: degree to which the surface is thin glass, or one wall of solid glass, in [0, 1].
 template <class T>
 Fresnel<T> fresnel(const Vec3<T>& f0, const T& cosine, const T& clear, bool solid = false) {
   const Grazing<T> surface = schlick_grazing(cosine);

@@ -5,8 +5,8 @@
 //   integral of D G F/(4 n.v n.l) L(l) n.l dl  =  E[ W F L(l) ]  with h drawn with density D n.h (Walter et al. 2007, eq. 41):
 //   W = G (v.h) / ((n.v) (n.h)) = (v.h)/(n.h) * G1(n.l) / (n.v (1 - k) + k)
 //
-// One sampled ray is differentiated with the sample held in the frame of the normal: h turns with n (mirror.h), so that the
-// normal's gradient runs along the ray as it does in a mirror, and the density is a constant D0. The roughness then acts through
+// A sampled ray is differentiated with the sample fixed in the frame of the normal: h rotates with n (mirror.h), so the
+// gradient of the normal follows the ray as for a mirror, and the density is a constant D0. The roughness then acts through
 // D(n.h; alpha)/D0, whose value is 1 (detached sampling), and through G.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace vitrine {
 
-// Cosines below this count as this: no division by nothing at grazing angles.
+// Lower clamp of cosines: no division by zero at grazing angles.
 inline constexpr double kMinCosine = 1e-4;
 
 template <class T>
@@ -35,7 +35,7 @@ T smith_g1(const T& x, const T& k) {
   return x / (x * (T(1) - k) + k);
 }
 
-// Half vector with density D(n.h) n.h, from two uniform numbers in [0, 1).
+// Samples a half vector with density D(n.h) n.h from two uniform numbers in [0, 1).
 template <class T>
 Vec3<T> ggx_half_vector(const Vec3<T>& n, const T& alpha, const T& u0, const T& u1) {
   using std::cos, std::sin, std::sqrt;
@@ -50,10 +50,10 @@ template <class T>
 struct GlossyRay {
   Vec3<T> half, direction;
   T n_dot_h{}, n_dot_v{}, n_dot_l{}, v_dot_h{}, alpha{};
-  T weight{};  // W; zero: below the horizon, not to be traced
+  T weight{};  // W; zero: below the horizon, not traced
 };
 
-// The ray of a half vector `half` that was drawn around `normal` with `roughness`. `density` is D0, or 0 to take D as it is.
+// The ray of a half vector `half` sampled around `normal` with `roughness`. `density` is D0; 0 uses the current D.
 template <class T>
 GlossyRay<T> glossy_ray(const Vec3<T>& view, const Vec3<T>& normal, const Vec3<T>& half, const T& roughness,
                         const T& density = T(0)) {
@@ -79,7 +79,7 @@ struct GlossyGrad {
   T roughness{};
 };
 
-// Reverse of glossy_ray at density = D: from the gradients of the ray's direction and of its weight.
+// Reverse of glossy_ray at density = D: from the gradients of the ray's direction and weight.
 template <class T>
 GlossyGrad<T> glossy_ray_vjp(const Vec3<T>& view, const Vec3<T>& normal, const T& roughness, const GlossyRay<T>& r,
                              const Vec3<T>& grad_direction, const T& grad_weight) {
@@ -87,7 +87,7 @@ GlossyGrad<T> glossy_ray_vjp(const Vec3<T>& view, const Vec3<T>& normal, const T
   if (!(r.weight > T(0))) return g;
   const T gw = grad_weight * r.weight, k = T(0.5) * r.alpha;
   const T below_v = r.n_dot_v * (T(1) - k) + k, below_l = r.n_dot_l * (T(1) - k) + k;
-  // d ln W: of the cosines with the sample held in the frame (n.h constant), and of alpha.
+  // d ln W: of the cosines with the sample fixed in the frame of the normal (n.h constant), and of alpha.
   const T l_slope = k / (r.n_dot_l * below_l);
   const T v_slope = dot(normal, view) > T(kMinCosine) ? -(T(1) - k) / below_v : T(0);
   const GgxLobe<T> lobe = ggx_distribution(r.alpha, r.n_dot_h);

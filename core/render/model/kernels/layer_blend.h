@@ -1,17 +1,17 @@
-// How the radiance of the three layers becomes one pixel (README 4):  C = w_d C_d + w_r C_r + w_t C_t,  per channel, with
+// Blend of the radiance of the three layers into a pixel (README 4):  C = w_d C_d + w_r C_r + w_t C_t,  per channel, with
 //   rtrgs    w_d = 1 - k_s          w_r = k_s F    w_t = k_s tau (1 - F)
 //   layered  w_d = (1-k)(1-tau)     w_r = k        w_t = (1-k) tau       k = k_s + (1 - k_s) G F
-// layered has the form of Na et al. 2026 ("GLINT"), without G; sets of their own for what is reflected and what is transmitted
-// are those of Zeng et al. 2026 ("RT-GS"); algorithms 3.3. F is the Fresnel term at the view angle, tau being how far the surface
-// is a clear sheet (fresnel.h).
+// `layered` has the form of Na et al. 2026 ("GLINT"), without G; separate surfel sets for reflection and transmission follow
+// Zeng et al. 2026 ("RT-GS"); algorithms 3.3. F is the Fresnel term at the view angle; tau is the degree to which the surface
+// is thin glass (fresnel.h).
 //   G = g + (1 - g) tau h    g = 1 - (1 - x)^2, h = smoothstep(0, 0.001, k_s)    g = 1 on a coat (ShapeRole::Coat)
-// g fades Fresnel out where a surface has no specular weight, so that an opaque pixel stays exactly its diffuse colour:
-// x = clamp((k_s - t)/(s - t), 0, 1), zero at the threshold t below which a pixel sends no rays. What is clear mirrors by
-// Fresnel's law however little its k_s, and nothing at k_s = 0, for whoever wants such glass.
+// g fades Fresnel out on surfaces without specular weight, so that an opaque pixel keeps exactly its diffuse colour: x =
+// clamp((k_s - t)/(s - t), 0, 1), zero at the threshold t below which a pixel sends no rays. Clear glass reflects by Fresnel's
+// equations however small its k_s, except at k_s = 0, which allows glass without reflection.
 //
-// a, the agreement of the normals in the pixel (surface_point.h), stands before k_s (rtrgs) or k (layered): where surfels of one
-// pixel disagree about where it looks, at the rim of a mirror, a ray in the mean direction brings nothing that belongs there.
-// Without a reflection, w_r is zero and F counts as 0 (layered: k = 0); without a transmission tau counts as 0.
+// a, the consistency of the normals in the pixel (surface_point.h), multiplies k_s (rtrgs) or k (layered): where the normals of
+// a pixel's surfels differ, at the rim of a mirror, the ray along the mean normal hits unrelated surfaces. Without a
+// reflection, w_r is zero and F counts as 0 (layered: k = 0); without a transmission tau counts as 0.
 #pragma once
 
 #include "core/render/model/kernels/fresnel.h"
@@ -22,17 +22,17 @@ enum class LayerBlend : unsigned char { RtrGs, Layered };
 
 // Specular and transmission weights below one step of an 8-bit display send no rays.
 inline constexpr double kMinSpecular = 1.0 / 255.0;
-// Fresnel counts in full from this specular weight on.
+// Fresnel has full weight from this specular weight on.
 inline constexpr double kFullFresnel = 0.05;
-// The same for what is clear.
+// The same for clear glass.
 inline constexpr double kFullClear = 0.001;
 
 template <class T>
 struct BlendMaterial {  // or its gradient
   Vec3<T> f0{};
   T specular{}, transmission{}, cosine{}, agreement{1};  // k_s, tau, n.v, a
-  bool coat = false;                                     // Fresnel counts in full whatever k_s; no gradient
-  bool solid = false;                                    // what is clear is one wall of solid glass; no gradient
+  bool coat = false;                                     // Fresnel has full weight whatever k_s; no gradient
+  bool solid = false;                                    // clear means one wall of solid glass; no gradient
 };
 
 template <class T>
@@ -90,7 +90,7 @@ LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, Layer
   return w;
 }
 
-// Gradient of the material; that of what does not act is zero.
+// Gradient of the material; zero for inactive members.
 template <class T>
 BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present, const LayerWeights<T>& g) {
   BlendMaterial<T> out;

@@ -1,6 +1,6 @@
-// Reflection of a view direction about a half vector, and how a half vector follows the normal (README 3).
+// Mirror reflection of a view direction about a half vector, and rotation of a half vector with the normal (README 3).
 //   w = 2 (v.h) h - v          v, w, h unit, v and w point away from the surface; h = n is the mirror
-//   dh = (n x dn) x h          a turning normal takes the half vectors around it along by the smallest rotation
+// dh = (n x dn) x h          a rotating normal rotates its half vectors by the smallest rotation
 #pragma once
 
 #include "core/foundation/math/vec.h"
@@ -12,27 +12,26 @@ Vec3<T> reflected(const Vec3<T>& v, const Vec3<T>& h) {
   return (T(2) * dot(v, h)) * h - v;
 }
 
-// Gradient of h from that of the reflected direction; v is a constant.
+// Gradient of h from the gradient of the reflected direction; v is constant.
 template <class T>
 Vec3<T> reflected_vjp(const Vec3<T>& v, const Vec3<T>& h, const Vec3<T>& grad_w) {
   return T(2) * (dot(v, h) * grad_w + dot(grad_w, h) * v);
 }
 
-// `h` was chosen around the unit normal `from`; this is where it is once the normal is `to` (exact for any angle below pi).
+// Half vector `h`, chosen around the unit normal `from`, rotated to the normal `to` (exact for any angle below pi).
 template <class T>
 Vec3<T> carried(const Vec3<T>& h, const Vec3<T>& from, const Vec3<T>& to) {
   const Vec3<T> axis = cross(from, to);
   return dot(from, to) * h + cross(axis, h) + (dot(axis, h) / (T(1) + dot(from, to))) * axis;
 }
 
-// Gradient of the normal at from = to = n. In the mirror, h = n, this is the projection onto the tangent plane.
+// Gradient of the normal at from = to = n. For the mirror, h = n, this is the projection onto the tangent plane.
 template <class T>
 Vec3<T> carried_vjp(const Vec3<T>& h, const Vec3<T>& n, const Vec3<T>& grad_h) {
   return dot(n, h) * grad_h - dot(n, grad_h) * h;
 }
 
-// Two unit tangents that make (t0, t1, n) a right-handed frame: n turned onto the pole by the smallest rotation (Duff et
-// al. 2017).
+// Two unit tangents such that (t0, t1, n) is a right-handed frame: the smallest rotation from the pole to n (Duff et al. 2017).
 template <class T>
 void tangents(const Vec3<T>& n, Vec3<T>& t0, Vec3<T>& t1) {
   const T pole = n.z < T(0) ? T(-1) : T(1), a = T(-1) / (pole + n.z), b = n.x * n.y * a;

@@ -1,10 +1,10 @@
-// What a case of clear panes adds to a pixel that looks into it (README 6; algorithms 5.8):
-//   C_r' = M + m C_r                         the near pane: M is what it mirrors of the scene, m what lets the reflection layer
-//                                            show (beyond the scene: a sky that no photo shows)
-//   C_t' = C_t + p (N + n C_r - C_t)         the far pane, likewise; p = s F(f0, c'): s is how much of the pixel looks out
+// Reflections of the panes of a clear glass case in a pixel that looks into it (README 6; algorithms 5.8):
+//   C_r' = M + m C_r                         near pane: M is its reflection of the scene, m the transmittance to the
+//                                            reflection layer (beyond the scene: a sky that no photo shows)
+//   C_t' = C_t + p (N + n C_r - C_t)         far pane, likewise; p = s F(f0, c'): s is the share of the pixel whose rays leave
 //                                            through it, past everything in the case, c' the cosine there
-// The panes are of one glass: the far one has the f0 that the pixel shows of the near one. s, c' and the mirrored pictures are
-// known from geometry and carry no gradient.
+// The panes are of the same glass: the far pane has the f0 of the near pane in the pixel. s, c' and the reflected pictures
+// follow from geometry and have no gradient.
 #pragma once
 
 #include "core/render/model/kernels/fresnel.h"
@@ -33,7 +33,7 @@ PaneRadiances<T> behind_panes(const PaneView<T>& v, const Vec3<T>& f0, const Pan
   return out;
 }
 
-// From the gradients of C_r', C_t' to those of C_r, C_t; adds to that of f0.
+// Propagates the gradients of C_r', C_t' to C_r, C_t; adds to that of f0.
 template <class T>
 PaneRadiances<T> behind_panes_vjp(const PaneView<T>& v, const Vec3<T>& f0, const PaneRadiances<T>& c, const PaneRadiances<T>& g,
                                   Vec3<T>& grad_f0) {

@@ -6,7 +6,7 @@
 
 namespace vitrine {
 
-// False where all light is reflected; `w` is left alone then.
+// False at total reflection; `w` is then unchanged.
 template <class T>
 bool refract(const Vec3<T>& d, const Vec3<T>& n, T eta, Vec3<T>& w) {
   using std::sqrt;
@@ -16,7 +16,7 @@ bool refract(const Vec3<T>& d, const Vec3<T>& n, T eta, Vec3<T>& w) {
   return true;
 }
 
-// Unpolarised Fresnel reflectance there, `cosine` = cos_i > 0; 1 where all light is reflected.
+// Unpolarised Fresnel reflectance, `cosine` = cos_i > 0; 1 at total reflection.
 template <class T>
 T dielectric_reflectance(T cosine, T eta) {
   using std::sqrt;

@@ -1,6 +1,5 @@
-// How much of a pixel lies on the near side of a straight edge, and how fast that grows as the edge moves on: the box filter of
-// an edge (Catmull 1978; algorithms 9.6). The pixel is the unit square about the origin, the edge {p : p.n = d} for a unit normal
-// n that points outwards.
+// Box-filtered coverage of a pixel by a half-plane, and its derivative by the position of the edge (Catmull 1978; algorithms
+// 9.6). The pixel is the unit square about the origin, the edge {p : p.n = d} for a unit normal n that points outwards.
 //   A = max(|n.x|, |n.y|)   B = min(|n.x|, |n.y|)   g = (A+B)/2   f = (A-B)/2
 //   length(d) = 1/A for |d| <= f, (g-|d|)/(A B) up to |d| = g, then 0       covered(d) = integral of length up to d
 #pragma once

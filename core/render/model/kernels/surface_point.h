@@ -1,15 +1,15 @@
-// From the blended channels of a pixel to the surface that it shows (README 1), and back.
+// Surface point of a pixel from its blended channels (README 1), and the reverse.
 //   z = Z/A   x = eye + z ray   n = N/|N|   f0 = F0/A   roughness = clamp(R/A, r_min, 1)   n.v = -n.d
-//   a = smoothstep(0.5, 0.8, |N|/A), the agreement of the normals that are blended: at the rim of an object before a wall, n
-//   looks at neither, and what is mirrored there comes from nowhere near.
-// The weights k_s and tau are not divided by the coverage A: a pixel covered by half is specular by half.
+//   a = smoothstep(0.5, 0.8, |N|/A), the consistency of the blended normals: at the rim of an object in front of a wall,
+//   n belongs to neither surface, and its reflection would show an unrelated part of the scene.
+// The weights k_s and tau are not divided by the coverage A: a half-covered pixel is half specular.
 #pragma once
 
 #include "core/foundation/math/vec.h"
 
 namespace vitrine {
 
-// Rougher than a mirror by less than a pixel of any picture; below it the lobe's peak overflows float.
+// The lobe is narrower than a pixel of any picture; below it the lobe's peak overflows float.
 inline constexpr double kMinRoughness = 0.03;
 
 template <class T>
@@ -24,7 +24,7 @@ struct SurfacePoint {  // or its gradient
   T roughness{}, cosine{}, agreement{};  // cosine = n.v
 };
 
-// |N|/A below which nothing is mirrored, and from which everything: two equal parts that differ by 120 and by 74 degrees.
+// |N|/A with no reflection and with full reflection: two equal parts with normals 120 and 74 degrees apart.
 inline constexpr double kNoAgreement = 0.5, kFullAgreement = 0.8;
 
 template <class T>

@@ -1,5 +1,5 @@
-// Visible surfels -> a list per tile, roughly by depth (README 6): radix sort by the depth of the mean, exact ellipse/tile test,
-// counting scatter. The result depends on the input alone, not on the threads.
+// Tile binning: one list of visible surfels per tile, approximately sorted by depth (README 6). Radix sort by the depth of the
+// mean, exact ellipse/tile test, counting scatter. The result does not depend on the threads.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +24,14 @@ class TileBinning {
   // Surfels of all tiles, tile after tile.
   const uint32_t* instances() const { return instances_.data(); }
 
-  // The other way round: where the instances of a surfel are, in tile order. `rank` is its place in the sorted order.
+  // Inverse map: the instances of a surfel, in tile order. `rank` is its index in the sorted order.
   const uint32_t* rank() const { return rank_.data(); }
   const uint32_t* surfel_begin() const { return surfel_begin_.data(); }  // by rank, one more than surfels
   const uint32_t* instance_of_surfel() const { return instance_of_surfel_.data(); }
 
  private:
   struct Chunk {                  // of consecutive surfels in sorted order
-    std::vector<uint32_t> tiles;  // of each surfel, one after the other
+    std::vector<uint32_t> tiles;  // of each surfel, concatenated
     std::vector<uint32_t> count;  // per tile; later the next free instance
   };
   void sort_by_depth(const std::vector<uint32_t>& visible, const SplatBounds* bounds);

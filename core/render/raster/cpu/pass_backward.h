@@ -1,20 +1,20 @@
-// Backward pass of a tile: "behind = total - in front" (README 7). Three walks over the surfels of a block: settle who dims whom,
-// as the forward pass did; sum what lies in front of each fragment, in the same pairs; then the gradients.
+// Backward pass of a tile: "behind = total - in front" (README 7). Three loops over the surfels of a block: resolve the depth
+// order as in the forward pass; sum the fragments in front of each fragment, in the same pairs; then compute the gradients.
 
 namespace vitrine::VITRINE_SIMD {
 
 struct alignas(64) GradientFragment : Fragment {
   F16 u, v, inv_den;
-  F16 value;         // V: what a unit of its weight adds to the loss
+  F16 value;         // V: derivative of the loss by its weight
   F16 contribution;  // w V
   F16 front;         // sum of w V in front of it
   F16 sum;           // of w V up to this slot
   M16 on_plane, counts, free;
-  uint32_t local;  // index within the tile: where its record is
+  uint32_t local;  // index within the tile, locates its record
 };
 
-// First half of a record: sums over pixels of w times the gradient of each feature, of w, of w times the error image. Up to six
-// features they take eight floats, and both halves of the vector are to be added.
+// First half of a record: sums over pixels of w times the gradient of each feature, of w, of w times the error image. With up
+// to six features they use eight floats, and the two halves of the vector are added.
 constexpr int column_count(int features) { return features <= 6 ? 8 : 16; }
 constexpr int weight_column(int features) { return features <= 6 ? 6 : 12; }
 constexpr int error_column(int features) { return weight_column(features) + 1; }
@@ -23,7 +23,7 @@ template <int F>
 struct BlockGradients {
   F16 features[F];
   F16 zdepth, weight, median_z, spread;  // weight: of alpha and of the background; spread: of distortion, times k^2
-  alignas(64) float by_pixel[kLanes * column_count(F)];  // a row for each pixel: feature gradients, then 1 (weight), error image
+  alignas(64) float by_pixel[kLanes * column_count(F)];  // one row per pixel: feature gradients, then 1 (weight), error image
   F16 total;                                             // sum of w V over all fragments
   F16 kept_median;
   DistortionSums<F16> sums;
@@ -76,7 +76,7 @@ struct BackwardBlock {
   const BlockGradients<F>& g;
   float* records;
   float x_origin, y_origin;  // of the block, relative to the tile
-  F16 row_y;                 // pixel centre's row relative to the tile
+  F16 row_y;                 // row of the pixel centre relative to the tile
 
   VITRINE_INLINE F16 value_of(const Fragment& f) const {
     F16 value = g.weight + f.z * g.zdepth;
@@ -189,7 +189,7 @@ void backward_blocks(const PassView& view, const TileTask& task, const TileGradi
   for (int block = 0; block < kBlocks; ++block) backward_block<F, kDistortion>(view, task, gradients, block);
 }
 
-// Moments were taken around the tile's corner; the surfel wants them around its own centre.
+// Converts the moments from the tile's corner to the surfel's own centre.
 inline void centre_records(const TileTask& task, const TileGradients& gradients) {
   for (uint32_t i = 0; i < task.count; ++i) {
     const ScreenMap<float>& map = task.local[i].constants.map;

@@ -1,14 +1,15 @@
 // Forward pass of a tile: blocks of 4x4 pixels, exact depth order per pixel without sorting pixels (README 6).
 //
 // Only the transmittance in front of a fragment depends on the order; sums do not. Surfels come in ascending z_min, which is
-// nearly the order of most pixels: a new fragment is dimmed by the product over all that came before, unless it lies in front
-// of the deepest of them somewhere. Then it walks back past those that it might precede, and each pair settles lane by lane.
+// nearly the depth order of most pixels: a new fragment is attenuated by the product over all earlier ones, unless it lies in
+// front of the deepest of them in some pixel. Then the loop goes back over the fragments that it may precede, and resolves the
+// order of each pair per lane.
 
 namespace vitrine::VITRINE_SIMD {
 
 struct BlockPlace {
   F16 px, py;
-  F16 inside;  // 1 in the image, 0 outside and where the pixel is not wanted
+  F16 inside;  // 1 in the image, 0 outside and in unwanted pixels
 };
 inline BlockPlace block_place(const PassView& view, const TileTask& task, int block) {
   const F16 lane = iota();
@@ -26,13 +27,13 @@ inline BlockPlace block_place(const PassView& view, const TileTask& task, int bl
 }
 
 inline constexpr float kFarAway = 1e30f;        // z where a surfel has no fragment
-inline constexpr float kOpaqueEnough = 1e-10f;  // transmittances stop here: far below any cut, far above denormals
+inline constexpr float kOpaqueEnough = 1e-10f;  // lower clamp of transmittances: far below any cut, far above denormals
 
-// A walk back takes strides of so many slots, and always the first of them: more than needed does no harm, and there are fewer
-// branches to guess. As many slots in front of the first surfel, and one, stand for the eye.
+// The backward search advances by this many slots and always checks the first: checking more than needed is harmless, and there
+// are fewer branches to predict. As many slots, plus one, in front of the first surfel represent the eye.
 inline constexpr uint32_t kStride = 4;
 
-// A surfel in a block.
+// One surfel in a block.
 struct alignas(64) Fragment {
   F16 alpha, transmittance, z;
   F16 through;  // transmittance behind this and all earlier slots
@@ -56,11 +57,11 @@ struct DepthOrder {
   VITRINE_INLINE M16 before(const Fragment& older) const { return limit[older.id < id ? 1 : 0] <= older.z; }
 };
 
-// Surfels are evaluated in batches without a branch between them, which would be a coin toss and wait for a long chain of
-// arithmetic; then they are settled one by one.
+// Surfels are evaluated in batches without branches, which would be unpredictable and wait for a long chain of arithmetic; then
+// their order is resolved one by one.
 inline constexpr uint32_t kBatch = 8;
 
-// Gives slot n, whose alpha, z and id are set, its place among the slots before it.
+// Inserts slot n, whose alpha, z and id are set, into the depth order of the slots before it.
 template <class Slot>
 VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
   Slot& f = slots[n];
@@ -108,11 +109,11 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   const BlockPlace place = block_place(view, task, block);
   const uint32_t size = task.list_size[block];
   sort_list(task, block);
-  uint32_t* seen = task.list + task.list_offset[block];  // the unsorted list has served
+  uint32_t* seen = task.list + task.list_offset[block];  // reuses the memory of the unsorted list
   Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
   for (uint32_t i = 0; i <= kStride; ++i) slots[i].be_the_eye(place.inside);
   slots += kStride;                                          // the first surfel is slot 1
-  uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
+  uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all later ones
   for (uint32_t begin = 0; begin < size; begin += kBatch) {
     const F16 z_min(task.sorted_z[begin]);
     while (final < used && !any(slots[final + 1].deepest >= z_min)) ++final;

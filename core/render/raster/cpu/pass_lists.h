@@ -1,12 +1,12 @@
-// Tile list -> sixteen block lists, each in ascending z_min (README 6). One SIMD vector is the sixteen blocks of the tile: the
-// exact test "ellipse meets rectangle of pixel centres" and the depth bounds of all blocks are a few dozen instructions per
-// surfel.
+// Converts a tile list to sixteen block lists, each in ascending z_min (README 6). One SIMD vector holds the sixteen blocks of
+// the tile: the exact test "ellipse intersects rectangle of pixel centres" and the depth bounds of all blocks take a few dozen
+// instructions per surfel.
 
 namespace vitrine::VITRINE_SIMD {
 
 using namespace vitrine::cpu;
 
-inline constexpr float kDepthSlack = 1e-5f;  // rounding of z over the block
+inline constexpr float kDepthSlack = 1e-5f;  // rounding error of z over the block
 inline constexpr uint32_t kPrefetchAhead = 6;
 
 struct BlockGrid {  // first pixel centre of each block
@@ -28,7 +28,7 @@ struct BlockTest {
 
 inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
   const F16 zero(0.f), side(float(kBlockSide - 1));
-  // The smallest value of a convex quadratic over a rectangle lies on the two edges that face its centre (or at the centre).
+  // The minimum of a convex quadratic over a rectangle lies on the two edges that face its centre (or at the centre).
   const F16 x_lo = grid.left - F16(b.ex), x_hi = x_lo + side, y_lo = grid.top - F16(b.ey), y_hi = y_lo + side;
   const F16 x_near = clamp(zero, x_lo, x_hi), y_near = clamp(zero, y_lo, y_hi);
   const F16 y_at = clamp(x_near * F16(b.shear_yx), y_lo, y_hi), x_at = clamp(y_near * F16(b.shear_xy), x_lo, x_hi);
@@ -53,7 +53,7 @@ inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
   return t;
 }
 
-// Fills the unsorted lists; also copies the tile's surfels beside each other.
+// Fills the unsorted lists; also copies the tile's surfels to contiguous memory.
 inline void build_lists(const TileTask& task) {
   const BlockGrid grid = block_grid(task.x0, task.y0);
   uint32_t* size = task.list_size;
@@ -82,15 +82,15 @@ inline void build_lists(const TileTask& task) {
   }
 }
 
-// Adds to each lane how many of sixteen depths come before its own. Four sums, because each waits for its last addition.
+// Adds to each lane the number of the sixteen depths before its own. Four sums hide the latency of the additions.
 template <class Before>
 VITRINE_INLINE void count_before(const float* z, F16 count[4], const Before& before) {
   for (int k = 0; k < kLanes; ++k) count[k % 4] += select(before(F16(z[k]), k), F16(1.f), F16(0.f));
 }
 
-// Sorts the list of a block by z_min into task.sorted, equals in the order they came. Short lists: the place of an entry is the
-// number of entries before it, counted by comparing all with all, which has no branch to guess. Long ones by insertion: the
-// tile's list comes roughly sorted.
+// Sorts the list of a block by z_min into task.sorted (stable). Short lists: the position of an entry is the number of entries
+// before it, counted by comparing all pairs without branches. Long lists: insertion sort, since the tile's list is roughly
+// sorted.
 inline constexpr uint32_t kCountingSort = 256;
 
 inline void sort_list(const TileTask& task, int block) {
@@ -110,7 +110,7 @@ inline void sort_list(const TileTask& task, int block) {
     return;
   }
   const uint32_t capacity = list_capacity(size);
-  for (uint32_t i = size; i < capacity; ++i) z_min[i] = __builtin_inff();  // before nothing
+  for (uint32_t i = size; i < capacity; ++i) z_min[i] = __builtin_inff();  // sorted behind all others
   const F16 lane = iota();
   for (uint32_t begin = 0; begin < size; begin += kLanes) {
     const uint32_t end = begin + kLanes < size ? begin + kLanes : size;

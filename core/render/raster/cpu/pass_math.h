@@ -1,5 +1,5 @@
 // Transcendental functions of the pass's SIMD type. Included by pass_avx2.cpp and pass_avx512.cpp with VITRINE_SIMD set.
-// Polynomials: interpolation at Chebyshev nodes; relative error of 2^x 8e-8, absolute error of ln 1.2e-5 (only cuts use it).
+// Polynomials interpolate at Chebyshev nodes; relative error of 2^x 8e-8, absolute error of ln 1.2e-5 (only used by cuts).
 
 namespace vitrine::VITRINE_SIMD {
 

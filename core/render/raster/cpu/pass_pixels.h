@@ -1,5 +1,5 @@
-// Pixels of a tile between image planes, where a row of the tile is one vector, and blocks of 4x4 pixels, where a block is one
-// (README 6). Whole rows at once: sixteen floats that lie beside each other, instead of four times four of each block.
+// Transposes the pixels of a tile between image planes (a row of the tile is one vector) and blocks of 4x4 pixels (a block is
+// one vector) (README 6). Whole rows are loaded at once: sixteen contiguous floats instead of four times four of each block.
 
 namespace vitrine::VITRINE_SIMD {
 
@@ -22,7 +22,7 @@ inline float* block_pixels(const TileTask& task, int channel, int block) {
   return task.pixels + static_cast<size_t>(channel * kBlocks + block) * kLanes;
 }
 
-// Channel of all blocks -> plane.
+// Writes a channel of all blocks to a plane.
 inline void write_plane(const PlacedTile& tile, const TileTask& task, int channel, float* plane) {
   for (uint32_t top = 0; top < tile.rows; top += kBlockSide) {
     const float* blocks = block_pixels(task, channel, static_cast<int>(top));
@@ -33,7 +33,7 @@ inline void write_plane(const PlacedTile& tile, const TileTask& task, int channe
   }
 }
 
-// Plane -> channel of all blocks. Zero outside the image and for a plane that is not given.
+// Reads a plane into a channel of all blocks. Zero outside the image and for a missing plane.
 inline void read_plane(const PlacedTile& tile, const TileTask& task, int channel, const float* plane) {
   for (uint32_t top = 0; top < kTileSide; top += kBlockSide) {
     F16 row[kBlockSide], block[kBlockSide];

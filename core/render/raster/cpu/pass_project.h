@@ -1,5 +1,5 @@
-// Sixteen surfels at a time: raw values -> screen records and bounds, and back from the records' sums to raw gradients
-// (README 1, 4, 8). The formulas are the kernels'; this file loads, bounds and adds.
+// SIMD projection of sixteen surfels: raw values to screen records and bounds, and the sums of the records back to raw
+// gradients (README 1, 4, 8). The formulas are in kernels/; this file loads, computes bounds and adds.
 
 namespace vitrine::VITRINE_SIMD {
 
@@ -46,8 +46,9 @@ inline Camera<F16> lane_camera(const PassView& v) {
           {F16(v.eye[0]), F16(v.eye[1]), F16(v.eye[2])}};
 }
 
-// Sigma of the ellipse rho3d <= cut: (cut/k) (P + (cut/k) (P h)(P h)^T), P = (M^T M)^-1, k = 1 - cut |W|^2 / z0^2, with P and P h
-// written through the columns A, B and W = (a_u.z, a_v.z), in which nothing cancels. k > 0: all of it is in front of the eye.
+// Sigma of the ellipse rho3d <= cut: (cut/k) (P + (cut/k) (P h)(P h)^T), P = (M^T M)^-1, k = 1 - cut |W|^2 / z0^2, with P and P
+// h written in terms of the columns A, B and W = (a_u.z, a_v.z), which avoids cancellation. k > 0: all of it is in front of the
+// eye.
 struct LaneBounds {
   F16 ex, ey, inv_yy, inv_xx, shear_xy, shear_yx, disc_r2, z_low, z_high, half_x, half_y, cut;
   M16 is_ellipse;
@@ -100,7 +101,7 @@ struct ScreenColumns {
   float Au, Av, Bu, Bv, wu, wv, cx, cy, z0;
 };
 
-// A surfel that reaches past the near plane: box of the projection of an octagon around its disc, clipped at the plane.
+// Box of a surfel that crosses the near plane: projection of an octagon around its disc, clipped at the plane.
 inline Box clipped_box(const ScreenColumns& s, float radius, float near_z) {
   constexpr int kCorners = 8;
   constexpr float kOctagon = 1.0823922f;  // circumscribed: 1 / cos(pi/8)
@@ -134,7 +135,7 @@ inline void pixel_range(float lo, float hi, int size, int16_t& first, int16_t& l
 }
 
 template <int N>
-struct LaneTable {  // N vectors seen lane by lane
+struct LaneTable {  // N vectors, accessed lane by lane
   alignas(64) float rows[N][kLanes];
   void set(int row, F16 v) { store(rows[row], v); }
 };
@@ -218,7 +219,7 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
   return written;
 }
 
-// The records of a surfel lie in as many places as it has tiles.
+// The records of a surfel lie in as many memory locations as it has tiles.
 inline constexpr uint32_t kRecordsAhead = 12;
 inline void prefetch_records(const GradientTask& task, uint32_t i) {
   const uint32_t rank = task.rank[task.batch[i]];

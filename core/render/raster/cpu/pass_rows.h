@@ -1,11 +1,12 @@
-// Rows of a table of floats, one for each of sixteen surfels, as columns of sixteen lanes, and back (README 6, 8). Four columns
-// at a time: sixteen loads of four floats and a transposition take a fraction of what gathering each column takes.
+// Loads rows of a table of floats, one for each of sixteen surfels, as columns of sixteen lanes, and stores them back (README
+// 6, 8). Four columns at a time: sixteen loads of four floats and a transposition are several times faster than gathering each
+// column.
 
 namespace vitrine::VITRINE_SIMD {
 
 using namespace vitrine::cpu;
 
-// The first N of four floats; nothing behind them is touched.
+// Loads the first N of four floats; memory behind them is not accessed.
 template <int N>
 VITRINE_INLINE __m128 load_some(const float* p) {
   if constexpr (N == 1) return _mm_load_ss(p);

@@ -1,6 +1,7 @@
-// Between the renderer and its SIMD passes: plain data and a table of functions, one table per instruction set. The passes are
-// compiled from the same source (pass.inc) in two translation units with different flags; only plain structs and raw pointers
-// cross, so that no inline function of a shared header can be emitted with AVX-512 instructions and linked into the AVX2 path.
+// Interface between the renderer and its SIMD passes: plain data and a table of functions, one table per instruction set. The
+// passes are compiled from the same source (pass.inc) in two translation units with different flags; only plain structs and raw
+// pointers are shared, so that no inline function of a shared header can be emitted with AVX-512 instructions and linked into
+// the AVX2 path.
 #pragma once
 
 #include <stddef.h>
@@ -16,10 +17,10 @@ inline constexpr size_t kMaxFeatureSlots = 12;
 inline constexpr size_t kMaxChannels = kMaxFeatureSlots + 5;
 inline constexpr size_t kRecordFloats = 32;
 inline constexpr uint32_t kSpareSlots = 8;
-// Lists start at multiples of a vector.
+// Lists are aligned to multiples of a vector.
 inline constexpr uint32_t list_capacity(uint32_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-// Everything that the inner loops read of one surfel. Two cache lines.
+// Per-surfel data of the inner loops. Two cache lines.
 struct alignas(64) RasterSplat {
   SplatConstants<float> constants;
   float features[kMaxFeatureSlots];
@@ -28,7 +29,7 @@ struct alignas(64) RasterSplat {
 };
 static_assert(sizeof(RasterSplat) == 128);
 
-// Where the surfel can be seen: the ellipse rho3d <= cut as y^2 inv_yy + (x - shear_xy y)^2 inv_xx <= 1 around (ex, ey), and the
+// Screen bounds of a surfel: the ellipse rho3d <= cut as y^2 inv_yy + (x - shear_xy y)^2 inv_xx <= 1 around (ex, ey), and the
 // disc of the low-pass around the projected mean. Boxes are pixels, inclusive.
 struct alignas(64) SplatBounds {
   float ex, ey, inv_yy, inv_xx, shear_xy, shear_yx;
@@ -52,7 +53,7 @@ struct PassView {
   float background[3];
   int width, height, sh_degree, features;
   bool distortion;
-  // Per pixel the forward pass keeps this many floats for the backward pass: median_z and, with distortion, alpha, sum w q,
+  // Number of floats per pixel kept by the forward pass for the backward pass: median_z and, with distortion, alpha, sum w q,
   // sum w q^2, pivot.
   int kept_channels() const { return distortion ? 5 : 1; }
 };
@@ -64,13 +65,13 @@ struct TileTask {
   const RasterSplat* splats;
   const SplatBounds* bounds;
   float* kept;             // [kBlocks][kept_channels][kLanes], written by forward, read by backward
-  const uint16_t* wanted;  // [kBlocks] bits of the pixels that are; null: all
-  uint16_t wanted_blocks;  // bits of the blocks that have one
-  // Scratch of the calling thread.
+  const uint16_t* wanted;  // [kBlocks] bits of the wanted pixels; null: all
+  uint16_t wanted_blocks;  // bits of the blocks with a wanted pixel
+  // Scratch memory of the calling thread.
   float* pixels;       // [kMaxChannels][kBlocks][kLanes], channels in the order of TileImages
   RasterSplat* local;  // [count]
-  // Lists of the blocks, list b from list_offset[b] on. Forward: unsorted first, with the smallest z of each surfel in the block;
-  // then `list` has, in order, the surfels that were blended. Backward reads that. Indices are within the tile.
+  // Lists of the blocks, list b starts at list_offset[b]. Forward: first unsorted, with the smallest z of each surfel in the
+  // block; then `list` contains, in order, the blended surfels. Backward reads these. Indices are within the tile.
   uint32_t* list;
   float* z_min;
   uint32_t* list_offset;  // [kBlocks + 1]
@@ -81,8 +82,8 @@ struct TileTask {
   uint32_t* fragments;   // [2] out: fragments, vectors evaluated
 };
 
-// Whole images, out of forward; their gradients, into backward, where null stands for zero. The pixels of a tile have the
-// features as their first channels, then the others in this order.
+// Output images of forward; input gradients of backward, where null means zero. The first channels of a tile's pixels are the
+// features, then the others in this order.
 template <class Plane>
 struct TilePlanes {
   Plane features[kMaxFeatureSlots];
@@ -90,7 +91,7 @@ struct TilePlanes {
 };
 using TileImages = TilePlanes<float*>;
 struct TileGradients : TilePlanes<const float*> {
-  const float* error;  // the error image, one channel more
+  const float* error;  // the error image, an additional channel
   float* records;      // [count][kRecordFloats]
 };
 
@@ -110,7 +111,7 @@ struct GradientTask {
 struct PassTable {
   const char* tag;
   size_t forward_slot_bytes, backward_slot_bytes;
-  // Projects surfels [first, first + count) of the layer; writes the visible ones one after the other, returns how many.
+  // Projects surfels [first, first + count) of the layer; writes the visible ones contiguously and returns their number.
   uint32_t (*project)(const LayerPointers& layer, const PassView& view, uint32_t first, uint32_t count, RasterSplat* splats,
                       SplatBounds* bounds);
   void (*forward_tile)(const PassView& view, const TileTask& task, const TileImages& images);

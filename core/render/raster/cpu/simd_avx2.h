@@ -33,7 +33,7 @@ struct F16 {
   __m256 a, b;
   F16() : a(_mm256_setzero_ps()), b(_mm256_setzero_ps()) {}
   F16(__m256 x, __m256 y) : a(x), b(y) {}
-  F16(float x) : a(_mm256_set1_ps(x)), b(a) {}  // NOLINT: constants broadcast silently on purpose
+  F16(float x) : a(_mm256_set1_ps(x)), b(a) {}  // NOLINT: implicit broadcast of constants is intended
   friend F16 operator+(F16 x, F16 y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
   friend F16 operator-(F16 x, F16 y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
   friend F16 operator*(F16 x, F16 y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }

@@ -1,5 +1,5 @@
-// Sixteen floats in one AVX-512 register, with the operations that the kernels use. Multiplications and additions are plain
-// operators, so that the compiler contracts them (-ffp-contract=fast) into fused ones.
+// SIMD type of sixteen floats in one AVX-512 register, with the operations of the kernels. Multiplications and additions are
+// plain operators, so that the compiler contracts them (-ffp-contract=fast) into fused ones.
 #pragma once
 
 #include <immintrin.h>
@@ -24,7 +24,7 @@ struct F16 {
   __m512 v;
   F16() : v(_mm512_setzero_ps()) {}
   F16(__m512 a) : v(a) {}                 // NOLINT
-  F16(float a) : v(_mm512_set1_ps(a)) {}  // NOLINT: constants broadcast silently on purpose
+  F16(float a) : v(_mm512_set1_ps(a)) {}  // NOLINT: implicit broadcast of constants is intended
   friend F16 operator+(F16 a, F16 b) { return _mm512_add_ps(a.v, b.v); }
   friend F16 operator-(F16 a, F16 b) { return _mm512_sub_ps(a.v, b.v); }
   friend F16 operator*(F16 a, F16 b) { return _mm512_mul_ps(a.v, b.v); }
@@ -48,7 +48,7 @@ VITRINE_INLINE void store_rows(float* p, size_t stride, F16 a) {
   _mm_storeu_ps(p + 2 * stride, _mm512_extractf32x4_ps(a.v, 2));
   _mm_storeu_ps(p + 3 * stride, _mm512_extractf32x4_ps(a.v, 3));
 }
-// The first `count` of sixteen floats; the others are not touched, and read as zero.
+// Mask of the first `count` of sixteen floats; the others are not accessed, and read as zero.
 VITRINE_INLINE __mmask16 first_lanes(uint32_t count) { return static_cast<__mmask16>((1u << count) - 1u); }
 VITRINE_INLINE F16 load_first(const float* p, uint32_t count) { return _mm512_maskz_loadu_ps(first_lanes(count), p); }
 VITRINE_INLINE void store_first(float* p, uint32_t count, F16 a) { _mm512_mask_storeu_ps(p, first_lanes(count), a.v); }
@@ -61,7 +61,7 @@ VITRINE_INLINE F16 dim_where(M16 m, F16 a, F16 b) { return _mm512_mask_fnmadd_ps
 VITRINE_INLINE F16 min(F16 a, F16 b) { return _mm512_min_ps(a.v, b.v); }
 VITRINE_INLINE F16 max(F16 a, F16 b) { return _mm512_max_ps(a.v, b.v); }
 VITRINE_INLINE F16 sqrt(F16 a) { return _mm512_sqrt_ps(a.v); }
-// rcp14 and one Newton step: 1 ulp or so.
+// rcp14 and one Newton step: about 1 ulp.
 VITRINE_INLINE F16 reciprocal(F16 a) {
   const F16 r = _mm512_rcp14_ps(a.v);
   return r * (F16(2.f) - a * r);
@@ -73,16 +73,15 @@ VITRINE_INLINE F16 round_nearest(F16 a) { return _mm512_roundscale_ps(a.v, _MM_F
 VITRINE_INLINE F16 scale_by_power(F16 a, F16 e) { return _mm512_scalef_ps(a.v, e.v); }  // a 2^e, e integral
 VITRINE_INLINE F16 exponent(F16 a) { return _mm512_getexp_ps(a.v); }
 VITRINE_INLINE F16 mantissa(F16 a) { return _mm512_getmant_ps(a.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_src); }
-// Eight times lane 2 `pair` of `a`, then eight times the next.
+// Broadcasts lane 2 `pair` of `a` to the first eight lanes, and the next lane to the last eight.
 VITRINE_INLINE F16 spread_pair(F16 a, int pair) {
   const __m512i half = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
   return _mm512_permutexvar_ps(_mm512_add_epi32(half, _mm512_set1_epi32(2 * pair)), a.v);
 }
-// Lane by lane: |a| with the sign bit cleared.
 VITRINE_INLINE F16 absolute(F16 a) { return _mm512_abs_ps(a.v); }
 
-// A register is four rows of four columns. Turns four registers (one quantity each) into four (one column each), rows kept:
-// out[j] row r = (a, b, c, d) at row r, column j.
+// A register contains four rows of four columns. Converts four registers (one quantity each) into four (one column each), rows
+// kept: out[j] row r = (a, b, c, d) at row r, column j.
 VITRINE_INLINE void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   const __m512d t0 = _mm512_castps_pd(_mm512_unpacklo_ps(a.v, b.v)), t1 = _mm512_castps_pd(_mm512_unpackhi_ps(a.v, b.v));
   const __m512d t2 = _mm512_castps_pd(_mm512_unpacklo_ps(c.v, d.v)), t3 = _mm512_castps_pd(_mm512_unpackhi_ps(c.v, d.v));

@@ -1,4 +1,4 @@
-// Which pixels of a picture are wanted (RasterDesc::wanted), as the tiles, the blocks and the surfels of a pass ask for it.
+// Mask of wanted pixels (RasterDesc::wanted), summarised per tile, block and surfel.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace vitrine::cpu {
 
 class WantedPixels {
  public:
-  // `wanted`: [height, width]; empty: all pixels are, and nothing is kept.
+  // `wanted`: [height, width]; empty: all pixels are wanted, and nothing is stored.
   void build(std::span<const uint8_t> wanted, int width, int height);
 
   bool all() const { return tiles_.empty(); }
-  // Not to be called when all are wanted. Bit b: a pixel of block b is wanted.
+  // Requires that not all pixels are wanted. Bit b: a pixel of block b is wanted.
   uint16_t blocks(size_t tile) const { return tiles_[tile].blocks; }
-  // The pixels of each block of the tile, bit by bit, in the order of lanes. [kBlocks]
+  // One bit per pixel of each block of the tile, in the order of lanes. [kBlocks]
   const uint16_t* pixels(size_t tile) const { return tiles_[tile].pixels; }
-  // Whether a tile that this surfel's box meets has a wanted pixel.
+  // Whether a tile that overlaps this surfel's box has a wanted pixel.
   bool meets(const SplatBounds& bounds) const;
 
  private:
@@ -29,7 +29,8 @@ class WantedPixels {
   };
   int tiles_x_ = 0;
   std::vector<Tile> tiles_;
-  std::vector<uint32_t> before_;  // tiles with a wanted pixel above and to the left of a corner, [tiles_y + 1, tiles_x + 1]
+  std::vector<uint32_t> before_;  // summed-area table: tiles with a wanted pixel above and to the left of a corner, [tiles_y +
+                                  // 1, tiles_x + 1]
 };
 
 }  // namespace vitrine::cpu

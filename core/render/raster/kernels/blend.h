@@ -1,11 +1,11 @@
 // Front-to-back blending along one pixel, and its reverse (README 5). A fragment i with alpha_i and the transmittance T_i in
-// front of it weighs w_i = alpha_i T_i when T_i >= kMinTransmittance, else nothing. Every output is a sum over w_i:
+// front of it has weight w_i = alpha_i T_i if T_i >= kMinTransmittance, otherwise 0. Every output is a sum over w_i:
 //   feature = sum w f (+ (1 - sum w) background)    zdepth = sum w z    alpha = sum w
 //   distortion = sum_{i<j} w_i w_j (m_i - m_j)^2 = k^2 (A Q2 - Q1^2),  Q1 = sum w q, Q2 = sum w q^2, q = 1/z - pivot
 //   median_z = largest z with T > 1/2
 // (Porter and Duff 1984; distortion: Barron et al. 2022, Huang et al. 2024; algorithms 1.6, 1.7),
-// with m = far/(far-near) (1 - near/z), hence m_i - m_j = -k (q_i - q_j), k = far near/(far-near); any pivot gives the same
-// value, one close to 1/z keeps the digits. No term depends on the order of summation: only T does.
+// with m = far/(far-near) (1 - near/z), hence m_i - m_j = -k (q_i - q_j), k = far near/(far-near). The value does not depend on
+// the pivot; a pivot close to 1/z preserves precision. Only T depends on the order of summation.
 #pragma once
 
 #include "core/render/raster/kernels/constants.h"
@@ -18,7 +18,7 @@ VITRINE_INLINE T blend_weight(const T& alpha, const T& transmittance) {
   return select(transmittance >= T(kMinTransmittance), alpha * transmittance, T(0));
 }
 
-// k of the text above.
+// k as defined above.
 template <class T>
 T distortion_scale(const T& near_z, const T& far_z) {
   return far_z * near_z / (far_z - near_z);
@@ -39,7 +39,7 @@ struct DistortionSums {
 };
 
 // L = sum_j w_j V_j with w_j = alpha_j prod_{front}(1 - alpha): dL/d alpha_i = T_i V_i - (sum_{j behind i} w_j V_j)/(1 -
-// alpha_i), nothing where the fragment was not blended.
+// alpha_i), zero for fragments that were not blended.
 template <class T>
 VITRINE_INLINE T blend_vjp(const T& transmittance, const T& value, const T& behind, const T& inv_transparency) {
   return select(transmittance >= T(kMinTransmittance), transmittance * value - behind * inv_transparency, T(0));

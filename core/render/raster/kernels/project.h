@@ -1,11 +1,11 @@
-// Surfel -> screen, and its reverse (README 1-2).
+// Projection of a surfel to the screen, and its reverse (README 1-2).
 //
 // A surfel point is X(u,v) = mean + s_u u r0 + s_v v r1. In the camera frame the columns are a_u, a_v, a_0; the homogeneous
-// screen point is (Tu, Tv, Tw).(u,v,1). A pixel at offset d = (px,py) - c from the projected mean c sees the plane at
+// screen point is (Tu, Tv, Tw).(u,v,1). A pixel at offset d = (px,py) - c from the projected mean c intersects the plane at
 //     u = (m00 dx + m01 dy) / den,  v = (m10 dx + m11 dy) / den,  z = z0 / den,  den = 1 + h0 dx + h1 dy
-// which is the inverse of that 3x3 map written around c: the cross product k x l of Huang et al. 2024 ("2D Gaussian
-// Splatting", eq. 8 to 10; algorithms 1.2, 1.3) multiplied out. Offsets are small numbers, so float keeps its digits, and a
-// fragment costs three multiply-adds and one reciprocal.
+// This is the inverse of that 3x3 map written around c: the cross product k x l of Huang et al. 2024 ("2D Gaussian Splatting",
+// eq. 8 to 10; algorithms 1.2, 1.3) multiplied out. Offsets are small numbers, so float keeps its precision, and a fragment
+// costs three multiply-adds and one reciprocal.
 #pragma once
 
 #include "core/foundation/math/rigid.h"
@@ -85,7 +85,7 @@ Projection<T> project(const SurfelGeometry<T>& s, const Camera<T>& camera) {
   return p;
 }
 
-// False for NaN, behind or at the near plane, exactly edge-on, too transparent to show.
+// False for NaN, behind or at the near plane, exactly edge-on, or too transparent.
 template <class T>
 auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
   const T size = select(p.det < T(0), -p.det, p.det);
@@ -95,10 +95,11 @@ auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
 template <class T>
 struct ProjectionGrad {
   SurfelGeometry<T> surfel;
-  T screen_x, screen_y;  // dL/d(projected centre), the ellipse moving rigidly (densification statistic of Huang et al. 2024)
+  T screen_x, screen_y;  // dL/d(projected centre) under rigid translation of the ellipse (densification statistic of Huang et
+                         // al. 2024)
 };
 
-// Reverse of project: gradients of the map's nine numbers and of the facing normal -> gradients of the raw geometry.
+// Reverse of project: from gradients of the map's nine numbers and of the facing normal to gradients of the raw geometry.
 template <class T>
 ProjectionGrad<T> project_vjp(const SurfelGeometry<T>& s, const Camera<T>& camera, const Projection<T>& p, const ScreenMap<T>& g,
                               const Vec3<T>& grad_normal) {

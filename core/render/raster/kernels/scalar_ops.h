@@ -1,10 +1,10 @@
-// The few operations that scalars and SIMD vectors spell differently. A SIMD type brings its own overloads (found by ADL):
-// select(mask, a, b), gaussian(rho), reciprocal(x).
+// Operations with different implementations for scalars and SIMD vectors. A SIMD type provides its own overloads (found by
+// ADL): select(mask, a, b), gaussian(rho), reciprocal(x).
 #pragma once
 
 #include <cmath>
 
-// The per-fragment kernels return structs of SIMD registers: out of line they would travel through memory.
+// The per-fragment kernels return structs of SIMD registers: without inlining they would pass through memory.
 #define VITRINE_INLINE inline __attribute__((always_inline))
 
 namespace vitrine {

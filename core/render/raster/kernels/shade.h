@@ -1,4 +1,4 @@
-// What a surfel carries to the pixels it covers: colour from spherical harmonics, facing normal, materials (README 4).
+// Features that a surfel contributes to its pixels: colour from spherical harmonics, facing normal, materials (README 4).
 // colour = max(0, 0.5 + sum_k Y_k(dir) h_k) in linear radiance, dir from the eye to the mean.
 #pragma once
 

@@ -1,12 +1,12 @@
 // Weight and depth of one surfel at one pixel, and the reverse (README 2-3). T is the pixel's scalar or SIMD vector, P the
-// scalar of the surfel's constants, which are broadcast.
+// scalar type of the surfel's constants, which are broadcast.
 //
 //   rho3d = u^2 + v^2 on the surfel's plane; rho2d = 2 |d|^2, the screen low-pass (Botsch et al. 2005; Huang et al. 2024, eq. 11)
 //   G     = exp(-min(rho3d, rho2d)/2)
 //   alpha = min(0.99, opacity G), 0 when below 1/255
-//   z     = plane depth where rho3d wins, depth of the centre where the low-pass wins: there the surfel is a dot that faces the
-//           camera, and the plane of a surfel seen edge-on would give any depth at all.
-// Where the plane is nearer than near_z or behind the eye, rho3d counts as infinite.
+//   z     = plane depth where rho3d is smaller, depth of the centre where the low-pass is: there the surfel acts as a dot
+//           facing the camera, and the plane of an edge-on surfel would give an arbitrary depth.
+// Where the plane is closer than near_z or behind the eye, rho3d counts as infinite.
 #pragma once
 
 #include "core/render/raster/kernels/constants.h"
@@ -20,9 +20,9 @@ struct SplatSample {
   T dx, dy;
   T u, v, inv_den;  // of the plane
   T rho3d;
-  T alpha;  // 0 where the surfel does not count
+  T alpha;  // 0 if not counted
   T z;
-  Mask on_plane;  // rho3d wins
+  Mask on_plane;  // rho3d is the minimum
   Mask counts;    // alpha >= 1/255
   Mask free;      // below the clamp: gradients flow
 };
@@ -55,7 +55,7 @@ VITRINE_INLINE SplatSample<T> splat_sample(const SplatConstants<P>& s, const T& 
   return f;
 }
 
-// What a fragment adds to the gradients of its surfel, before the sums over pixels. With d = (dx, dy):
+// Contribution of a fragment to the gradients of its surfel, before the sums over pixels. With d = (dx, dy):
 //   grad m0j = sum num_u d_j     grad m1j = sum num_v d_j     grad hj = sum den d_j
 //   grad c   = 2 sum disc d - M^T sum (num_u, num_v) - h sum den
 //   grad z0  = sum z0            grad (raw opacity) = (1 - opacity) sum weight
@@ -70,7 +70,7 @@ VITRINE_INLINE SampleGrad<T> splat_sample_vjp(const SplatSample<T>& f, const T& 
   const T zero(0);
   g.weight = select(f.free & f.counts, f.alpha * grad_alpha, zero);
   g.disc = select(f.on_plane, zero, g.weight);
-  // Selected rather than multiplied by zero: u and 1/den may be infinite where the plane does not win.
+  // select instead of multiply by zero: u and 1/den may be infinite where the plane is not used.
   const T slope = g.weight * f.inv_den;
   g.num_u = select(f.on_plane, zero - slope * f.u, zero);
   g.num_v = select(f.on_plane, zero - slope * f.v, zero);
@@ -107,7 +107,7 @@ struct SplatGrad {
   T raw_opacity;
 };
 
-// Without low-pass no fragment is a disc, so its slope stands for both cases.
+// Without low-pass no fragment is a disc, so its slope applies to both cases.
 template <class T>
 SplatGrad<T> splat_grad(const SplatMoments<T>& m, const ScreenMap<T>& map, const T& opacity) {
   const T slope(kLowPassInvVariance);

@@ -1,5 +1,5 @@
-// The executable specification: every pixel looks at every surfel, sorts what counts by (z, index) and blends. Templated on the
-// scalar so that the gradient tests can push Dual through the whole renderer.
+// Reference rasteriser (executable specification): every pixel tests every surfel, sorts its fragments by (z, index) and
+// blends. Templated on the scalar so that the gradient tests can evaluate the whole renderer with Dual.
 #pragma once
 
 #include <algorithm>
@@ -67,7 +67,7 @@ struct SurfelSums {  // over pixels
   T weight{}, error{};
 };
 
-// Back to front, "behind" being the recursion of algorithms 1.7.
+// Back to front, with the recursion for "behind" of algorithms 1.7.
 template <class T>
 void blend_pixel_vjp(const std::vector<ScreenSurfel<T>>& surfels, const std::vector<Fragment<T>>& fragments,
                      const SceneCamera<T>& view, const Vec3<T>& background, const PixelValues<T>& grad, T error,

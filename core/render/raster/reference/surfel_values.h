@@ -1,4 +1,4 @@
-// One surfel of a layer in a wide scalar (double, or Dual in the gradient tests): read from the layer, carried to the screen.
+// Raw and projected values of one surfel in a wide scalar (double, or Dual in the gradient tests).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct SurfelValues {  // raw values, or their gradients
 inline constexpr std::array<Attribute, 4> kMaterialAttributes{Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight,
                                                               Attribute::Transmission};
 
-// Calls visit(scalar of `values`, attribute, component) for every raw value that `layer` stores of one surfel.
+// Calls visit(scalar of `values`, attribute, component) for every raw value that `layer` stores per surfel.
 template <class T, class Visit>
 void visit_values(const SplatLayer& layer, SurfelValues<T>& values, Visit visit) {
   SurfelGeometry<T>& g = values.geometry;
@@ -90,7 +90,7 @@ ScreenSurfel<T> screen_surfel(const SurfelValues<T>& s, const SceneCamera<T>& vi
   return out;
 }
 
-// Reverse of screen_surfel, given the sums over pixels. Returns the gradient of the raw values.
+// Reverse of screen_surfel for the sums over pixels. Returns the gradient of the raw values.
 template <class T>
 SurfelValues<T> screen_surfel_vjp(const SurfelValues<T>& s, const SceneCamera<T>& view, const ScreenSurfel<T>& screen,
                                   const SplatMoments<T>& moments, const std::array<T, kMaxFeatures>& grad_features,
