@@ -2,8 +2,8 @@
 // Structural similarity S of windowed moments (ssim_kernel.h), summed over an image with pixel weights m, and the gradient of
 // that sum:
 //   sum_p m_p S_p          d/dx = blur(m dS/dmu_x) + 2 x blur(m dS/dE[x^2]) + y blur(m dS/dE[xy]),   zero padding
-// The blur is separable and its own adjoint: down the columns for one row of the image (eight pixels to a register), then along
-// that row in a padded buffer. No intermediate image of the moments is kept; only the three partials are.
+// The blur is separable and self-adjoint: for each image row, first vertically (eight pixels per register), then horizontally
+// in a padded buffer. No image of the moments is stored, only the three partial derivatives.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -111,7 +111,7 @@ class WindowedSimilarity {
 
  private:
   struct Taps {
-    int first, last;  // offsets whose rows exist
+    int first, last;  // offsets of rows inside the image
   };
   static Taps taps_of(const PicturePair& image, size_t row) {
     const int y = static_cast<int>(row % static_cast<size_t>(image.height));

@@ -21,7 +21,7 @@ namespace {
 using dnnl::memory;
 
 constexpr const char* kPrefix = "features.";
-// What torchvision's networks were trained on.
+// Normalisation of torchvision's pretrained networks.
 constexpr std::array<float, 3> kMean{0.485f, 0.456f, 0.406f}, kDeviation{0.229f, 0.224f, 0.225f};
 
 struct Convolution {
@@ -36,12 +36,12 @@ struct Convolution {
   memory forward_weights_memory, backward_weights_memory, bias_memory;
 };
 
-// A oneDNN view of our values; oneDNN takes no const.
+// A oneDNN view of our values; oneDNN does not accept const.
 memory view(const memory::desc& desc, const dnnl::engine& engine, const float* values) {
   return memory(desc, engine, const_cast<float*>(values));
 }
 
-// Channels last; windows of 2x2, an odd last row or column is left out.
+// Channels last; windows of 2x2, an odd last row or column is ignored.
 void max_pool(std::span<const float> fine, int width, int height, int channels, std::vector<float>& out) {
   const size_t w = size_t(width / 2), h = size_t(height / 2), c = size_t(channels), row = size_t(width) * c;
   out.resize(w * h * c);
@@ -79,7 +79,7 @@ struct FeatureNetwork::Impl {
 
   void prepare_layer(Convolution& layer);
   void run(const dnnl::primitive& primitive, const memory::desc& scratch, std::unordered_map<int, memory> arguments) const {
-    // The library's team of threads would give other sums for other sizes of the team, and stand beside ours.
+    // more threads would change the sums with their number, and compete with our thread pool
     omp_set_num_threads(1);
     std::vector<char> space(scratch.get_size());
     arguments.emplace(DNNL_ARG_SCRATCHPAD, memory(scratch, engine, space.data()));
@@ -95,7 +95,7 @@ FeatureNetwork::FeatureNetwork(const std::filesystem::path& path) : impl_(std::m
                  {.where = path.string(), .why = why, .hint = "see core/learn/loss/README.md", .code = "BAD_WEIGHTS"});
   };
   const std::map<std::string, Tensor> tensors = read_safetensors(path, kPrefix);
-  std::map<int, const Tensor*> weights;  // by number of the layer
+  std::map<int, const Tensor*> weights;  // by layer number
   for (const auto& [name, tensor] : tensors) {
     int number = -1;
     const char *begin = name.data() + std::string_view(kPrefix).size(), *end = name.data() + name.size();

@@ -1,10 +1,9 @@
-// A convolutional feature network of the VGG kind, forward and backward on oneDNN: 3x3 convolutions (padding 1) with ReLU, 2x2
-// maximum pooling between blocks. The features are the activations at the end of every block (VGG16: relu1_2, 2_2, 3_3, 4_3,
-// 5_3).
+// VGG feature network, forward and backward on oneDNN: 3x3 convolutions (padding 1) with ReLU, 2x2 maximum pooling between
+// blocks. The features are the activations at the end of every block (VGG16: relu1_2, 2_2, 3_3, 4_3, 5_3).
 //
 // Weights are a safetensors file with float32 tensors `features.<i>.weight` [out, in, 3, 3] and `features.<i>.bias` [out],
-// numbered like the layers of torchvision's VGG: i counts convolutions, ReLUs and poolings, so that a step of 2 to the next
-// convolution means the same block and a step of 3 a pooling between. Other tensors are not read.
+// numbered like the layers of torchvision's VGG: i counts convolutions, ReLUs and poolings, so that an increment of 2 to the
+// next convolution means the same block and an increment of 3 a pooling layer in between. Other tensors are not read.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +15,11 @@ namespace vitrine {
 
 class FeatureNetwork {
  public:
-  // Throws Error{Input} that names the file when it is missing, damaged, or not such a network.
+  // Throws Error{Input} with the file name if it is missing, damaged, or not such a network.
   explicit FeatureNetwork(const std::filesystem::path& path);
   ~FeatureNetwork();
 
-  // What forward() leaves for backward(): every activation, channels last.
+  // Output of forward() for backward(): every activation, channels last.
   struct Activations {
     std::vector<std::vector<float>> after_convolution;  // after its ReLU
     std::vector<float> input;
@@ -30,9 +29,9 @@ class FeatureNetwork {
     int width, height, channels;
   };
 
-  // Makes the network ready for pictures of this size; the features that have at least one pixel. Not for concurrent calls.
+  // Prepares the network for pictures of this size; returns the features that have at least one pixel. Not thread-safe.
   std::span<const Feature> prepare(int width, int height);
-  // `rgb`: [h, w, 3] in [0,1], of the prepared size. May run concurrently with itself.
+  // `rgb`: [h, w, 3] in [0,1], of the prepared size. Thread-safe.
   void forward(std::span<const float> rgb, Activations& out) const;
   // `grad`: one vector per feature, shaped like its activation. Writes the gradient of `rgb`.
   void backward(const Activations& activations, std::span<const std::vector<float>> grad, std::span<float> grad_rgb) const;

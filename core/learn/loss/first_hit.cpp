@@ -1,8 +1,8 @@
 // First hits of secondary rays (algorithms 5.5). For the rays of one layer, with t the first hit, tbar the mean distance and A
-// the alpha of a ray (the last two held constant), and r the distance before which nothing of the layer belongs:
+// the alpha of a ray (the last two held constant), and r the minimum distance of the layer's surfels:
 //   L = sum_rays v A [ max(0, r + delta - t) + eta |t - tbar| ] / (R sum_rays v),   R = scene radius
-// The first term keeps the layer off the surface that it is seen through or mirrored by, the second makes its first layer
-// compact. Transmitted and reflected rays are two such sums, added.
+// The first term keeps the layer away from the surface that transmits or reflects it, the second makes its first surface
+// compact. The losses of transmitted and reflected rays are added.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kChunk = 4096;
 constexpr float kSceneRadius = 1;             // the sfm stage scales the ring of cameras to it
 constexpr float kTransmissionMargin = 0.01f;  // delta: transmitted light starts this far behind the front surface, scene radii
-constexpr float kReflectionMargin = 0.02f;    // delta: reflected things are this far off the reflector, scene radii
+constexpr float kReflectionMargin = 0.02f;    // delta: reflected objects are at least this far from the reflector, scene radii
 constexpr float kSpread = 0.1f;               // eta: weight of the first hit's distance to the mean hit
 
 class FirstHitLoss final : public Loss {

@@ -1,4 +1,4 @@
-// L1:  L = sum_p m_p |C_p - C_p^photo|_1 / (3 sum_p m_p), with m the weight map (1 where there is none).
+// L1:  L = sum_p m_p |C_p - C_p^photo|_1 / (3 sum_p m_p), with m the weight map (1 if none is given).
 //      dL/dC = m_p sign(C_p - C_p^photo) / (3 sum m).
 #include <cmath>
 

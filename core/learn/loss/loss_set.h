@@ -1,4 +1,4 @@
-// All losses of the registry with their schedules: the objective of a training, and the options of its weights.
+// Weighted sum of all losses of the registry with their schedules: the objective of a training, and the options of its weights.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace vitrine {
 
-// Weight of a loss over a run: 0 before `from`, a linear ramp, then along half a cosine down to `final_share` of the weight at
-// the end. Times are fractions of the run in [0, 1], so that presets of different length share them.
+// Weight of a loss over a run: 0 before `from`, a linear ramp, then half a cosine down to `final_share` of the weight at the
+// end. Times are fractions of the run in [0, 1], so that presets of different length can share them.
 struct WeightSchedule {
   float weight = 0;
   double from = 0, ramp = 0, final_share = 1;
@@ -37,14 +37,14 @@ struct LossValues {
   std::vector<double> terms;  // unweighted, in registry order; NaN when the term was off
 };
 
-// Options point into the terms: do not move a set after it was described.
+// Options point into the terms: do not move a set after describing it.
 class LossSet {
  public:
   LossSet();
   std::vector<LossTerm>& terms() { return terms_; }
   const std::vector<LossTerm>& terms() const { return terms_; }
   LossTerm& term(std::string_view name);
-  // Adds the weighted gradients of all losses that are on at `fraction` of the run.
+  // Adds the weighted gradients of all losses that are active at `fraction` of the run.
   LossValues evaluate(double fraction, const LossInput& input, LossGradient& gradient) const;
 
  private:

@@ -1,8 +1,8 @@
-// A blended channel q against a mask M as two probabilities (algorithms 5.4):
+// Binary cross-entropy between a blended channel q and a mask M (algorithms 5.4):
 //   L = sum_p v [-M log q - (1 - M) log(1 - q)] / sum_p v,   v = 1 - ignore
 //   transmission_mask:  q = the blended transmission weight,  M = transparent
 //   object_mask:        q = the accumulated alpha,            M = object
-// Beyond [e, 1 - e] the logarithm is continued as a straight line: the pull towards the mask stays finite, but stays.
+// Outside [e, 1 - e] the logarithm is extrapolated linearly: the gradient towards the mask stays finite and non-zero.
 #include <algorithm>
 #include <cmath>
 

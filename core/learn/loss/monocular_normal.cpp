@@ -1,4 +1,4 @@
-// Normals of one picture (network, file or geometry) as targets (algorithms 5.4), n = R N/|N| the blended normal in the camera
+// Target normals of one picture (network, file or geometry) (algorithms 5.4), n = R N/|N| the blended normal in the camera
 // frame, n_t the target, c its confidence:
 //   L = sum_p v c (|n - n_t|_1 + 1 - n . n_t) / P,   v = 1 - ignore, P the pixels of the frame
 //   dL/dN = R^T (I - n n^T) g / |N|
@@ -59,8 +59,8 @@ class MonocularNormalLoss final : public Loss {
   }
 
  private:
-  static constexpr float kShortest = 0.05f;   // opposed normals that cancel have no direction
-  static constexpr float kLeastAlpha = 0.3f;  // a fainter pixel has no usable normal
+  static constexpr float kShortest = 0.05f;   // opposite normals that cancel have no direction
+  static constexpr float kLeastAlpha = 0.3f;  // below this alpha a pixel has no usable normal
 
   std::vector<double> row_sums_;
 };

@@ -1,6 +1,6 @@
 // Normal consistency (Huang et al. 2024, eq. 14; algorithms 1.8):  L = mean_p A_p (1 - N_p . n_d(p)),  n_d from central
 // differences of P(x, y) = z d(x, y) in the camera frame, z = Z/A the mean depth.
-// Two passes, both without scatter: per pixel the gradients of the two differences; then every pixel gathers from its four
+// Two passes without scatter: first the gradients of the two differences per pixel; then every pixel gathers from its four
 // neighbours.
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kLeastAlphaOfDepth = 0.3f;  // a fainter pixel has no usable depth
+constexpr float kLeastAlphaOfDepth = 0.3f;  // below this alpha a pixel has no usable depth
 
 class NormalConsistencyLoss final : public Loss {
  public:

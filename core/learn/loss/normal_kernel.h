@@ -1,4 +1,4 @@
-// Agreement of a blended normal N with the slope of the rendered depth (algorithms 1.8), one pixel, camera frame:
+// Consistency of a blended normal N with the gradient of the rendered depth (algorithms 1.8), one pixel, camera frame:
 //   q = a x b   with a, b the central differences of the unprojected depth down and right
 //   value = A - N . (A q / |q|) ... per pixel:  A (1 - N . n_d) with n_d = q/|q| and A (the alpha) held constant.
 #pragma once
@@ -13,7 +13,7 @@ struct NormalTerm {
   Vec3<T> grad_normal, grad_a, grad_b;
 };
 
-// N is unnormalised (its length is at most the alpha). Returns value 0 and no gradient where the depth has no slope.
+// N is unnormalised (its length is at most the alpha). Returns value 0 and no gradient where the depth gradient is undefined.
 template <class T>
 NormalTerm<T> normal_term(const Vec3<T>& N, const Vec3<T>& a, const Vec3<T>& b, const T& alpha) {
   using std::sqrt;

@@ -1,4 +1,4 @@
-// Sums over an image: one double per row, added in row order, so that any number of threads gives the same bits.
+// Deterministic sums over an image: one double per row, added in row order, so that any number of threads gives the same bits.
 #pragma once
 
 #include <span>

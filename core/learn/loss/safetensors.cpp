@@ -14,7 +14,7 @@
 namespace vitrine {
 
 std::map<std::string, Tensor> read_safetensors(const fs::path& path, const std::string& prefix) {
-  constexpr uint64_t kMaxHeader = 100'000'000;  // the format's own limit
+  constexpr uint64_t kMaxHeader = 100'000'000;  // limit of the format
   const auto fail = [&](const std::string& why) {
     return Error(
         ErrorKind::Input, "a weights file is unusable",
@@ -33,7 +33,7 @@ std::map<std::string, Tensor> read_safetensors(const fs::path& path, const std::
   in.read(header.data(), static_cast<std::streamsize>(length));
   const uint64_t data_begin = 8 + length, data_size = size - data_begin;
   std::map<std::string, Tensor> tensors;
-  uint64_t taken = 0;  // tensors may not share bytes: a small file would fill any memory
+  uint64_t taken = 0;  // tensors must not overlap: otherwise a small file could fill any memory
   try {
     const auto json = nlohmann::json::parse(header);
     for (const auto& [name, entry] : json.items()) {

@@ -1,5 +1,5 @@
-// float32 tensors by name from a safetensors file: 8 bytes length of the header (little endian), a JSON header
-// {"name": {"dtype": "F32", "shape": [...], "data_offsets": [begin, end]}, ...}, then the bytes of the tensors.
+// Reader of float32 tensors from a safetensors file: 8 bytes length of the header (little endian), a JSON header {"name":
+// {"dtype": "F32", "shape": [...], "data_offsets": [begin, end]}, ...}, then the bytes of the tensors.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct Tensor {
   std::vector<size_t> shape;
   std::vector<float> values;
 };
-// Those whose name begins with `prefix`. Throws Error{Input} with file and cause.
+// Reads the tensors whose name starts with `prefix`. Throws Error{Input} with file and cause.
 std::map<std::string, Tensor> read_safetensors(const std::filesystem::path& path, const std::string& prefix);
 
 }  // namespace vitrine

@@ -1,8 +1,8 @@
-// Specular weight against the mask of what reflects (algorithms 5.4), K the blended specular weight, M the mask:
+// Specular weight against the specular mask (algorithms 5.4), K the blended specular weight, M the mask:
 //   L = sum_p v (1 - T) [(1 - M) K + b M max(0, K0 - K)] / sum_p v,   v = 1 - ignore
-// Outside the mask nothing may reflect; inside K must reach K0, and how far beyond it goes is left to the photos. Pixels of the
-// transparent mask T and those of a coat have no say: they reflect by Fresnel's law however small their K, and one of K0 would be
-// a mirror.
+// Outside the mask K is pushed to zero; inside, K must reach K0, and the photos determine larger values. Pixels of the
+// transparent mask T and of coats are excluded: they reflect by Fresnel's equations however small their K, and K0 would turn
+// them into mirrors.
 #include <algorithm>
 
 #include "core/foundation/base/error.h"

@@ -1,7 +1,7 @@
 // Structural similarity of one pixel from windowed moments, and its partial derivatives (Wang et al. 2004; algorithms 5.4):
 //   A1 = 2 mu_x mu_y + C1   A2 = 2 (E[xy] - mu_x mu_y) + C2   B1 = mu_x^2 + mu_y^2 + C1   B2 = var_x + var_y + C2
 //   S = A1 A2 / (B1 B2)
-// The moments mu_x, E[x^2], E[xy] are linear in the window, so the gradient of an image is their partials, blurred again.
+// The moments mu_x, E[x^2], E[xy] are linear in the window, so the gradient of an image is the blurred partial derivatives.
 #pragma once
 
 namespace vitrine {

@@ -1,5 +1,5 @@
-// Regularisers of the surfels themselves (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"; algorithms
-// 2.2), o = sigmoid(raw), s = exp(raw):
+// Regularisers of surfel opacity and scale (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo";
+// algorithms 2.2), o = sigmoid(raw), s = exp(raw):
 //   opacity:  L = mean_i o_i          dL/draw = o (1 - o) / n
 //   scale:    L = mean_i (s_u + s_v)/2    dL/draw = s / (2 n)
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kSurfelChunk = 4096;
 
-// Mean of activation(raw) over an attribute; derivative from the activated value.
+// Mean of activation(raw) over an attribute; `derivative` takes the activated value.
 template <class Derivative>
 double mean_of_attribute(const LossInput& input, double scale, LossGradient& gradient, Attribute attribute,
                          std::vector<double>& sums, const Derivative& derivative) {

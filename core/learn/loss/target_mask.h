@@ -1,5 +1,4 @@
-// The pixels of a mask that a loss may look at: every pixel counts v = 1 - ignore. Sums per row, so that any number of threads
-// gives the same bits.
+// Mask with per-pixel weights v = 1 - ignore for losses. Sums per row, so that any number of threads gives the same bits.
 #pragma once
 
 #include "core/foundation/base/error.h"

@@ -18,12 +18,12 @@ static_assert([] {
   return true;
 }());
 
-// Per-surfel factors repeated for every float of an attribute, so that the update is one flat loop for the vector unit.
+// Per-surfel factors repeated for every float of an attribute, so that the update is one flat, vectorisable loop.
 struct Spread {
   float step[kChunk * kWidest], root[kChunk * kWidest], moves[kChunk * kWidest];
 };
 
-// Where a surfel is and how it covers, against what it looks like.
+// Attributes of geometry and coverage, as opposed to appearance.
 constexpr bool is_shape(Attribute a) {
   return a == Attribute::Mean || a == Attribute::Rotation || a == Attribute::LogScale || a == Attribute::Opacity;
 }

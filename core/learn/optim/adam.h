@@ -1,7 +1,7 @@
-// Adam (Kingma and Ba 2015) over a layer of surfels, one step size per attribute, sparse: only surfels that took part in the
-// picture move, and each counts its own steps for the bias correction:
+// Sparse Adam (Kingma and Ba 2015) for a layer of surfels, one step size per attribute: only surfels visible in the picture are
+// updated, and each counts its own steps for the bias correction:
 //   m <- b1 m + (1-b1) g    v <- b2 v + (1-b2) g^2    x <- x - rate * m/(1-b1^t) / (sqrt(v/(1-b2^t)) + eps)
-// A surfel with a gradient that is not finite is left alone and counted.
+// A surfel with a non-finite gradient is skipped and counted.
 #pragma once
 
 #include <array>
@@ -19,11 +19,11 @@ struct AdamDesc {
   float epsilon = 1e-15f;  // tiny: gradients of means over an image are tiny themselves
 };
 
-// Factors on a surfel's step sizes, [n] or empty. (On the step and not on the gradient, whose scale Adam takes out again.)
+// Factors on a surfel's step sizes, [n] or empty. (Applied to the step, since Adam cancels the scale of the gradient.)
 struct StepFactors {
   std::span<const float> all = {};    // of every attribute
-  std::span<const float> shape = {};  // of geometry and opacity, on top
-  std::span<const float> place = {};  // of positions, on top
+  std::span<const float> shape = {};  // of geometry and opacity, in addition
+  std::span<const float> place = {};  // of positions, in addition
 };
 
 using AttributeRates = std::array<float, kAttributeCount>;  // 0 = the attribute is not trained
@@ -32,14 +32,14 @@ class Adam {
  public:
   explicit Adam(const SplatLayer& shape, const AdamDesc& desc = {});
 
-  // Moves the surfels with active[i] != 0. Returns how many were left alone because of a gradient that is not finite.
+  // Updates the surfels with active[i] != 0. Returns the number skipped because of a non-finite gradient.
   size_t step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
               const StepFactors& factors = {});
 
   size_t size() const { return steps_.size(); }
   void resize(size_t size);                        // new surfels start without history
-  void forget(size_t surfel);                      // history of one surfel back to zero
-  void keep_only(std::span<const uint32_t> kept);  // ascending indices of the surfels that stay
+  void forget(size_t surfel);                      // resets the history of one surfel
+  void keep_only(std::span<const uint32_t> kept);  // ascending indices of the remaining surfels
 
   void transfer(Archive& archive);
 
@@ -47,7 +47,7 @@ class Adam {
   AdamDesc desc_;
   SplatLayer m_, v_;
   std::vector<uint32_t> steps_;
-  std::vector<float> correction1_, correction2_;  // 1/(1-b1^t) and 1/sqrt(1-b2^t) by t, until they are 1
+  std::vector<float> correction1_, correction2_;  // 1/(1-b1^t) and 1/sqrt(1-b2^t) by t, until they reach 1
 };
 
 // Moves the surfels at `kept` (ascending) to the front and drops the rest.

@@ -1,5 +1,5 @@
-// The bytes of a checkpoint: plain values and arrays in a fixed order. One list of members serves both ways, so that what is read
-// is what was written. Reading checks every size: damaged bytes are an Error, never a crash.
+// Serialisation of checkpoints: plain values and arrays in a fixed order. The same code reads and writes, so that the formats
+// match. Reading checks every size: damaged bytes cause an Error, never a crash.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class Archive {
 
   bool reads() const { return reads_; }
   const std::string& bytes() const { return bytes_; }  // written
-  bool at_end() const { return source_.empty(); }      // all is read
+  bool at_end() const { return source_.empty(); }      // everything is read
 
   template <class T>
   void value(T& v) {
@@ -48,7 +48,7 @@ class Archive {
     }
     for (const AttributeRow& r : kAttributes) move(layer.values(r.id).data(), layer.values(r.id).size_bytes());
   }
-  // Throws Error{Input}: what was read makes no sense.
+  // Throws Error{Input}: the data is invalid.
   [[noreturn]] static void fail(const std::string& why = "its sizes do not add up") {
     throw Error(ErrorKind::Input, "a checkpoint is damaged",
                 {.why = why, .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
@@ -67,7 +67,7 @@ class Archive {
 
   bool reads_ = false;
   std::string bytes_;
-  std::string_view source_;  // what is still to be read
+  std::string_view source_;  // remaining bytes
 };
 
 }  // namespace vitrine

@@ -14,18 +14,19 @@ namespace vitrine {
 
 namespace {
 
-// Streams of the random numbers: what a number is for.
+// Random number streams by purpose.
 enum : uint64_t { kRelocateStream = 0x4d01, kGrowStream = 0x4d02, kNoiseStream = 0x4d04, kSplitStream = 0x4d05 };
 
-constexpr double kDeadOpacity = 0.01;        // surfels at or below it are moved (divide)
-constexpr double kGradientThreshold = 2e-4;  // mean screen-space gradient that calls for more surfels (classic)
-constexpr double kFaintOpacity = 0.05;       // fainter surfels are dropped (classic)
-constexpr double kErrorFloor = 0.1;          // of the mean error: surfels without error still attract a few copies
-constexpr float kShareDecay = 0.01f;         // a picture's part of SurfelAccumulator::share
+constexpr double kDeadOpacity = 0.01;        // surfels at or below it are relocated (divide)
+constexpr double kGradientThreshold = 2e-4;  // minimum mean screen-space gradient for densification (classic)
+constexpr double kFaintOpacity = 0.05;       // fainter surfels are removed (classic)
+constexpr double kErrorFloor = 0.1;          // fraction of the mean error: surfels without error still get a few copies
+constexpr float kShareDecay = 0.01f;         // weight of one picture in SurfelAccumulator::share
 constexpr float kRarestShare = 1e-3f;
 constexpr double kSplitShrink = 1.6;  // children of a split are smaller by this (Kerbl et al. 2023)
-// Halves of a divided surfel: their centres, in standard deviations of the parent's longer axis, and their scales. Two such
-// halves add up to the parent's profile along that axis within a quarter out to one and a half deviations.
+// Halves of a divided surfel: offset of their centres, in standard deviations of the parent's longer axis, and their relative
+// scales. The sum of the two halves matches the parent's profile along that axis within a quarter up to one and a half
+// deviations.
 constexpr float kHalfOffset = 0.6f, kHalfLong = 0.52f, kHalfShort = 0.95f;
 
 float opacity_of(const SplatLayer& layer, size_t i) { return sigmoid(*layer.at(Attribute::Opacity, i)); }
@@ -35,7 +36,7 @@ Mat3f axes_of(const SplatLayer& layer, size_t i) {
   return rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]}));
 }
 
-// Moves a surfel by normal deviates of its own two axes.
+// Moves a surfel by normal deviates along its own two axes.
 void jitter_in_plane(SplatLayer& layer, size_t i, Rng& rng) {
   const Mat3f axes = axes_of(layer, i);
   const float* log_scale = layer.at(Attribute::LogScale, i);
@@ -43,8 +44,8 @@ void jitter_in_plane(SplatLayer& layer, size_t i, Rng& rng) {
   for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += u * axes.c0[c] + v * axes.c1[c];
 }
 
-// Parent and copy become the two halves of the parent along its longer axis, with its opacity: unlike coincident copies they
-// do not hide each other, so detail grows and overdraw does not.
+// Parent and copy become the two halves of the parent along its longer axis, with its opacity: unlike coincident copies they do
+// not occlude each other, so detail grows without overdraw.
 void divide(SplatLayer& layer, size_t parent, size_t copy) {
   float* log_scale = layer.at(Attribute::LogScale, parent);
   const size_t longer = log_scale[1] > log_scale[0];
@@ -59,7 +60,7 @@ void divide(SplatLayer& layer, size_t parent, size_t copy) {
   }
 }
 
-// p_i ~ o_i (floor + E_i / mean E): where the surfels are, and more where the picture is wrong. Cumulative, unnormalised.
+// p_i ~ o_i (floor + E_i / mean E): opaque surfels, and more where the picture error is large. Cumulative, unnormalised.
 std::vector<double> cumulative_chances(const SplatLayer& layer, const SurfelAccumulator& accumulator,
                                        const std::vector<uint8_t>& dead) {
   const size_t n = layer.size();
@@ -82,7 +83,7 @@ size_t drawn(const std::vector<double>& cumulative, Rng& rng) {
   return std::min<size_t>(static_cast<size_t>(it - cumulative.begin()), cumulative.size() - 1);
 }
 
-// Gives every slot of `slots` to a living surfel drawn by chance, which it halves.
+// Assigns every slot of `slots` to a randomly chosen living surfel, which is divided.
 void copy_onto(const DensifyMoment& moment, DensifyTarget& target, const std::vector<uint32_t>& slots,
                const std::vector<double>& cumulative, uint64_t stream) {
   std::vector<uint32_t> parents(slots.size());
@@ -99,7 +100,7 @@ void copy_onto(const DensifyMoment& moment, DensifyTarget& target, const std::ve
 DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target) {
   SplatLayer& layer = target.layer;
   const size_t n = layer.size();
-  // Surfels that hardly any pixel owes its colour to, hidden ones above all, serve better elsewhere.
+  // Surfels that contribute to hardly any pixel, mostly occluded ones, are relocated.
   double weight_sum = 0;
   for (float w : target.accumulator.weight) weight_sum += w;
   const double least_weight = config.idle_weight * weight_sum / double(std::max<size_t>(n, 1));
@@ -137,7 +138,7 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
     const double seen = target.accumulator.seen[i];
     if (seen > 0 && target.accumulator.screen_gradient[i] / seen > kGradientThreshold) wanted.push_back(static_cast<uint32_t>(i));
   }
-  if (const size_t room = moment.cap > n ? moment.cap - n : 0; wanted.size() > room) {  // the cap: highest gradients first
+  if (const size_t room = moment.cap > n ? moment.cap - n : 0; wanted.size() > room) {  // at the cap, highest gradients first
     std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) {
       const auto& s = target.accumulator;
       return s.screen_gradient[a] * float(s.seen[b]) > s.screen_gradient[b] * float(s.seen[a]);
@@ -154,7 +155,7 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
     layer.copy_surfel(parent, child);
     target.accumulator.share[child] = target.accumulator.share[parent];
     float* log_scale = layer.at(Attribute::LogScale, parent);
-    if (std::exp(std::max(log_scale[0], log_scale[1])) <= largest_clone) continue;  // a clone starts as the same surfel
+    if (std::exp(std::max(log_scale[0], log_scale[1])) <= largest_clone) continue;  // a clone starts as an identical surfel
     for (size_t half : {parent, child}) {
       Rng rng(moment.seed, mix64(kSplitStream, mix64(moment.step, half)));
       jitter_in_plane(layer, half, rng);

@@ -1,5 +1,5 @@
-// Step sizes of the attributes, from the attribute table. The position's rate is in units of the scene radius and falls over a
-// run, rate(f) = rate * mean_end_factor^f; the others stay.
+// Learning rates of the attributes, from the attribute table. The position's rate is in units of the scene radius and decays
+// over a run, rate(f) = rate * mean_end_factor^f; the others are constant.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct RatesConfig {
   }();
   double factor = 1;              // of all
   double mean_end_factor = 0.02;  // of the position's rate at the end of the run, exponential decay
-  double rarest = 2;              // most that the steps of surfels grow by which few photos show (SurfelAccumulator::rarity)
+  double rarest = 2;              // maximum visibility step scale (SurfelAccumulator::rarity)
 };
 
 // At `fraction` of the run, for a scene of this radius.
@@ -32,9 +32,9 @@ inline AttributeRates rates_at(const RatesConfig& c, double fraction, double sce
   return rates;
 }
 
-// Photos see angles: what stands far from the cameras moves in proportion to its distance, so that a step, or a random walk, is
-// the same angle wherever it is taken. // 1 near the cameras, whose radius is 1 around the origin; from a few radii on the
-// distance over that.
+// Step scale by distance: surfels far from the cameras move in proportion to their distance, so that a step, or a random walk,
+// has the same angular size everywhere. 1 near the cameras, whose radius is 1 around the origin; beyond a few radii the
+// distance divided by that limit.
 inline float far_factor(const float* mean) {
   constexpr float kFar = 5;
   return std::max(1.f, std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / kFar);

@@ -1,4 +1,4 @@
-// The photos as training sees them: display-referred, at full, half and quarter size (reduced in linear light).
+// Training photos: display-referred, at full, half and quarter size (reduced in linear light).
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ struct Capture {
   ViewSet view_set;
   std::vector<PhotoPyramid> photos;      // in the order of view_set.views
   std::vector<uint32_t> train, heldout;  // indices into photos
-  // Nothing stands nearer to a camera: half the depth of the nearest sparse points, at most a tenth of the ring of cameras.
-  // Stray surfels that hang there are veils before a camera that comes by.
+  // Near plane: half the depth of the nearest sparse points, at most a tenth of the radius of the camera ring. Stray surfels
+  // closer than that would veil cameras that pass by.
   float near_z = 0.01f;
   size_t largest_pixel_count = 0;
   size_t memory_bytes = 0;  // of the pyramids
@@ -36,7 +36,7 @@ struct Capture {
 
 // Pyramid of one photo. `linear` has the size of the view's intrinsics.
 PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side);
-// Scene-linear colour of a pixel, its photo's gain taken out.
+// Scene-linear colour of a pixel, divided by its photo's gain.
 Vec3f linear_at(const PhotoLevel& photo, size_t pixel);
 // Planar [3,h,w] floats of a level.
 void decode(const PhotoLevel& level, std::vector<float>& srgb);
@@ -44,7 +44,7 @@ void decode(const PhotoLevel& level, std::vector<float>& srgb);
 // Capture::near_z of these photos.
 float near_plane(const ViewSet& view_set);
 Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every);
-// Bytes that load_capture() will hold, from the intrinsics alone.
+// Memory of load_capture() in bytes, from the intrinsics alone.
 size_t pyramid_bytes(const ViewSet& view_set, int max_side);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// The state of a training run in a file: its bytes behind a digest, so that a damaged file is reported and never used.
+// Checkpoint files of a training run: the state behind a digest, so that a damaged file is reported and never used.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 namespace vitrine {
 
 void write_checkpoint(const std::filesystem::path& path, const std::string& state);
-// nullopt: there is no such file. Throws Error{Input} when it is damaged.
+// nullopt: the file does not exist. Throws Error{Input} if it is damaged.
 std::optional<std::string> read_checkpoint(const std::filesystem::path& path);
 
 }  // namespace vitrine

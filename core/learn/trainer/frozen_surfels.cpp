@@ -9,8 +9,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kOpaque = 0.9f;      // 1 - tau of what is no glass
-constexpr float kHeldGloss = 0.01f;  // k_s: below it nothing is held, and nothing is looked up
+constexpr float kOpaque = 0.9f;      // 1 - tau of non-glass surfels
+constexpr float kHeldGloss = 0.01f;  // k_s: surfels below it are not frozen, and not looked up
 
 }  // namespace
 

@@ -9,8 +9,8 @@ namespace vitrine {
 
 namespace {
 
-// A channel below zero shows black and has no gradient (shade.h clamps it), so that it would stay black for good: what all
-// directions have in common stays above.
+// A negative channel renders black and has no gradient (shade.h clamps it), so it would stay black forever: the constant SH
+// term is clamped above zero.
 void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
   constexpr float kLeast = 1e-3f;  // linear radiance
   const float least = (kLeast - 0.5f) / kShDc;
@@ -19,7 +19,7 @@ void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
       layer.at(Attribute::ShDc, i)[c] = std::max(layer.at(Attribute::ShDc, i)[c], least);
 }
 
-// Factors on the steps of positions; empty where nothing is far.
+// Step scale of positions by distance; empty if all surfels are near.
 void far_factors(const SplatLayer& layer, std::vector<float>& factors) {
   factors.clear();
   for (size_t i = 0; i < layer.size(); ++i) {

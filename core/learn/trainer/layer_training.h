@@ -1,4 +1,4 @@
-// One layer of surfels while it is trained: Adam's moments, what pictures said about its surfels, and where they go.
+// Training state of one layer of surfels: Adam's moments, accumulated statistics, and densification.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct TrainCounts {
   uint64_t skipped_gradients = 0, relocated = 0, added = 0, removed = 0;
 };
 
-// Of one descent: surfels that took part in the picture, and those among them whose gradient is no number.
+// Counts of one descent: surfels visible in the picture, and those among them with a non-finite gradient.
 struct DescentCounts {
   size_t active = 0, skipped = 0;
 };
@@ -28,26 +28,26 @@ class LayerTraining {
   struct Descent {
     const AttributeRates& rates;
     std::span<const float> damping = {};  // StepFactors::shape
-    float rarest = 1;                     // most that the steps of what few pictures show grow by (SurfelAccumulator::rarity)
-    size_t trained = SIZE_MAX;            // so many surfels; those behind them stay as they are
+    float rarest = 1;                     // maximum visibility step scale (SurfelAccumulator::rarity)
+    size_t trained = SIZE_MAX;            // number of trained surfels; the following ones remain unchanged
   };
   DescentCounts descend(const SplatLayer& grad, const SurfelStatistics& statistics, const Descent& descent, SplatLayer& layer);
-  // Relocation and growth when `now`, and the random walk of faint surfels (strength 0: none).
+  // Relocation and growth if `now`, and the random walk of faint surfels (strength 0: none).
   struct Move {
     DensifyMoment moment;
     bool now = false;
     float noise = 0;
   };
   void move(const DensifyConfig& config, const Move& move, SplatLayer& layer);
-  // Surfels were added behind the others: they start without history.
+  // Call after appending surfels: they start without history.
   void grow(size_t size);
-  // The surfels at `kept` (ascending) alone are left of the layer: they go on with their history.
+  // Call after keeping only the surfels at `kept` (ascending): they keep their history.
   void keep_only(std::span<const uint32_t> kept);
-  // The layer was changed from outside: statistics and moments start over.
+  // Call after external changes of the layer: resets statistics and moments.
   void restart(const SplatLayer& layer);
 
   const TrainCounts& counts() const { return counts_; }
-  uint32_t pictures() const { return accumulator_.pictures; }  // since surfels were last moved, or the layer was changed
+  uint32_t pictures() const { return accumulator_.pictures; }  // since the last densification or external change of the layer
   void transfer(Archive& archive);
   size_t size() const { return adam_.size(); }
 

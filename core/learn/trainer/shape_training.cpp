@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.99;
 
-// Mean square of a group, of what is asked for at all: the size of a step does not depend on how much a photo shows.
+// Mean square of the non-zero gradients of a group: the step size does not depend on how many parameters a photo sees.
 double mean_square(std::span<const double> grad) {
   double squares = 0;
   size_t asked = 0;
@@ -47,7 +47,7 @@ Shape ShapeTraining::stepped(const Shape& shape, std::vector<double> grad, const
     sum += squares.emplace_back(mean_square({grad.data() + at, g.count}));
     at += g.count;
   }
-  if (!std::isfinite(sum) || !(sum > 0)) return shape;  // the picture does not show it
+  if (!std::isfinite(sum) || !(sum > 0)) return shape;  // not visible in the picture
   ++moments.steps;
   const double c1 = 1 / (1 - std::pow(kBeta1, double(moments.steps))), c2 = 1 / (1 - std::pow(kBeta2, double(moments.steps)));
   at = 0;

@@ -1,6 +1,6 @@
-// The descent of known shapes (core/scene/shape) along the gradients of mirrored pictures and silhouettes (core/render/model/shape_pass.h).
-// Adam (Kingma and Ba 2015) with one second moment for each group of parameters, so that a part that no photo looks at does not
-// run away; gradients are mixed among neighbours first: profiles and meshes bend slowly.
+// Gradient descent of known shapes (core/scene/shape) on mirror reflections and silhouettes (core/render/model/shape_pass.h).
+// Adam (Kingma and Ba 2015) with one second moment per group of parameters, so that parameters seen in no photo do not diverge;
+// gradients are smoothed among neighbours first: profiles and meshes deform slowly.
 #pragma once
 
 #include <map>
@@ -19,14 +19,14 @@ struct ShapeRates {
 class ShapeTraining {
  public:
   const std::shared_ptr<const ShapeSet>& set() const { return set_; }  // nullptr: no shape is known
-  // More shapes, behind those that are there: they start without history.
+  // Appends shapes; they start without history.
   void add(ShapeSet shapes);
-  // ShapeSet::Entry::layered of the entries of these objects.
+  // Sets ShapeSet::Entry::layered of the entries of these objects.
   void set_layered(const std::map<uint16_t, double>& of_objects);
-  // `gradients` [entry][parameter]; those that are zero or not finite are left out.
+  // `gradients` [entry][parameter]; zero and non-finite ones are skipped.
   void descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates);
 
-  // Throws Error{Input} when shapes that are read are unusable.
+  // Throws Error{Input} if the shapes read are unusable.
   void transfer(Archive& archive);
 
  private:

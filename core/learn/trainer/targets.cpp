@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr float kFullScale = 32767.f;
-// Shorter means of unit normals are no direction: their pixels lie across an edge or next to unknown ones.
+// Minimum length of the mean of unit normals: shorter means lie across an edge or next to unknown pixels.
 constexpr float kShortestMean = 0.5f;
-// Glass, mirrors and what is to be ignored cover less of a capture than the rest.
+// Maximum coverage of masks of glass, mirrors and ignored regions in a capture.
 constexpr double kMostCoverage = 0.6;
 
 ImageF sized(const ImageF& image, const Intrinsics& k) {
@@ -47,7 +47,7 @@ std::vector<int16_t> quantised_normals(const ImageF& image) {
   return planes;
 }
 
-// Every photo's mask of one class; how much of it each marks (NaN: no file).
+// Loads every photo's mask of one class; returns the coverage of each (NaN: no file).
 std::vector<double> load_class(const Capture& capture, const fs::path& artifact, size_t mask, Targets& targets) {
   const auto& views = capture.view_set.views;
   std::vector<double> coverage(views.size(), NAN);
@@ -107,7 +107,7 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
   }
 }
 
-// Glass, and what reflects. A mirror whose shape is not known reflects as its surfels show it, like a coat.
+// Masks of glass and reflective objects. A mirror without a known shape reflects with its surfels, like a coat.
 void load_labels(const Capture& capture, const LabelledObjects& objects, Targets& targets) {
   const ObjectSet& set = objects.objects();
   const auto glass = [](const Object& o) { return is_glass(o.role); };

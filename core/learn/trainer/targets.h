@@ -1,5 +1,5 @@
-// What earlier stages know about the pixels of each photo, at the sizes of its training pyramid: which show glass, mirrors and
-// coats (labels of objects), the object and what is to be ignored (masks), and normals. Layouts: stages/objects, masks, normals.
+// Per-photo training targets from earlier stages, at the sizes of the training pyramid: pixels of glass, mirrors and coats
+// (labels of objects), the object mask and ignore mask, and normals. Layouts: stages/objects, masks, normals.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace vitrine {
 
-// Empty vectors: nothing is known of this photo. Transparent: glass. Specular: glass and mirrors of known shape.
+// Empty vectors: no data for this photo. Transparent: glass. Specular: glass and mirrors of known shape.
 struct TargetLevel {
   std::array<std::vector<uint8_t>, kMaskClassCount> masks;  // [h,w], 255 = belongs to the class
   std::vector<uint8_t> coat;                                // [h,w] paint under a coat; mirrors without a known shape
@@ -31,23 +31,23 @@ struct TargetProblem {
 
 struct Targets {
   std::vector<std::array<TargetLevel, kLevels>> photos;  // in the order of Capture::photos
-  std::array<bool, kMaskClassCount> has{};               // some photo has some of the class
+  std::array<bool, kMaskClassCount> has{};               // at least one photo contains the class
   bool has_normals = false;
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;
 
   void forget(MaskClass mask);
-  // What lies outside the object masks of `trained` weighs nothing from here on. A photo without such a mask stays as it is.
+  // Sets the weight outside the object masks of `trained` to zero. Photos without such a mask are unchanged.
   void ignore_outside(const Targets& trained);
   bool any(MaskClass mask) const { return has[static_cast<size_t>(mask)]; }
 };
 
-// `masks`: of the classes object and ignore. Throws Error{Input} when masks match no photo or have another size than theirs, or
-// normals are no normals.
+// `masks`: of the classes object and ignore. Throws Error{Input} if masks match no photo or have the wrong size, or normals are
+// invalid.
 Targets load_targets(const Capture& capture, const std::optional<std::filesystem::path>& masks, const LabelledObjects& objects,
                      const std::optional<std::filesystem::path>& normals);
 
-// One level as the losses want it.
+// One level, converted for the losses.
 struct TargetImages {
   std::array<std::vector<float>, kMaskClassCount> masks;  // [h,w]
   std::vector<float> coat, normals, confidence;

@@ -16,11 +16,11 @@ namespace vitrine {
 namespace {
 
 constexpr double kRecentLossDecay = 0.02;
-// Broken gradients: single ones happen at grazing surfels. A hundredth of all, or pictures without any surfel, ten steps in
-// a row, is a failing run.
+// Non-finite gradients: single ones occur at grazing surfels. If they exceed 1 % of all, or pictures contain no surfel, for ten
+// consecutive steps, the run fails.
 constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
-// Fewer pictures in a row that show no surfel say nothing of the scene: a photo of the lens cap.
+// Fewer consecutive pictures without a surfel are tolerated: for example a photo of the lens cap.
 constexpr uint32_t kBlankPictures = 3;
 
 LossRays loss_rays(const SecondaryRays& rays) {
@@ -31,7 +31,7 @@ LossRays loss_rays(const SecondaryRays& rays) {
           .weight = rays.weight};
 }
 
-// Of the last reverse: sums over all passes that show surfels of the layer. nullptr: none did.
+// Statistics of the last backward: sums over all passes that render surfels of the layer. nullptr: none did.
 const SurfelStatistics* statistics_of(const Frame& frame, LayerKind kind) {
   if (kind == LayerKind::Diffuse) return &frame.statistics;
   const SecondaryRays& rays = kind == LayerKind::Reflection ? frame.reflection : frame.transmission;
@@ -77,8 +77,8 @@ void Training::step() {
   end_step();
 }
 
-// No loss where the ignore mask says so, nor around an object that is trained alone: what surrounds it did not stand still. Less
-// on gloss until there is a layer to explain it; glass counts in full, as most of what it shows stands behind it.
+// Weight zero in the ignore mask, and around an object that is trained alone: its surroundings moved during capture. Reduced
+// weight on mirrors until a layer explains them; glass has full weight, as most of its content is behind it.
 void Training::weigh_pixels(float specular_weight, bool withheld) {
   const auto ignore = images_.mask(MaskClass::Ignore), object = images_.mask(MaskClass::Object);
   const auto specular = images_.mask(MaskClass::Specular), transparent = images_.mask(MaskClass::Transparent);
@@ -110,7 +110,7 @@ void Training::choose_ray_pixels(const StepPlan& plan) {
   frame_.transparent_mask = plan.glass_sends_rays ? transparent : std::span<const float>();
 }
 
-// The difference in the displayed picture, a mean over the channels, weighted. Returns its unweighted mean.
+// Writes the weighted difference of the displayed picture, a mean over the channels. Returns its unweighted mean.
 double Training::write_error_image() {
   const size_t pixels = frame_.pixel_count();
   frame_.error_image.resize(pixels);
@@ -127,7 +127,7 @@ double Training::write_error_image() {
   return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
 }
 
-// Losses of a frame that went forward; `grad_` becomes their gradient.
+// Evaluates the losses of a frame after forward; `grad_` becomes their gradient.
 double Training::learn(const StepPlan& plan, const View& view) {
   for (LayerKind kind : kAllLayers) {
     const SplatLayer& layer = scene_.layer(kind);
@@ -196,7 +196,7 @@ bool Training::sound() const {
   size_t all = 0, broken = 0;
   for (LayerKind kind : kAllLayers) {
     const SplatLayer& layer = scene_.layer(kind);
-    std::vector<float> poison(layer.size(), 0.f);  // x * 0 is 0 for numbers alone
+    std::vector<float> poison(layer.size(), 0.f);  // x * 0 is 0 only for finite numbers
     for (const AttributeRow& r : kAttributes)
       for (size_t i = 0, width = layer.width(r.id); width > 0 && i < layer.size(); ++i)
         for (size_t c = 0; c < width; ++c) poison[i] += layer.at(r.id, i)[c] * 0.f;

@@ -1,7 +1,7 @@
-// The one training loop: a step looks at one photo and all surfels of the scene descend, in an order of the photos that is drawn
-// anew for every epoch. A stage derives from it, gives each step its plan and acts between steps; photos, losses, statistics,
-// checkpoints and the detection of divergence are here. A step depends on the saved state, the options and the photos alone: an
-// interrupted run ends with the same bytes.
+// Training loop shared by the stages: each step uses one photo and updates all surfels of the scene; the order of the photos is
+// shuffled for every epoch. A stage derives from it, provides the plan of each step and acts between steps; this class handles
+// photos, losses, statistics, checkpoints and the detection of divergence. A step depends only on the saved state, the options
+// and the photos: an interrupted run ends with the same bytes.
 #pragma once
 
 #include <array>
@@ -23,24 +23,24 @@
 
 namespace vitrine {
 
-// The photos of one epoch, permuted by seed and epoch alone: a run that continues needs no memory of the order.
+// Photos of one epoch, permuted by seed and epoch only: a resumed run need not store the order.
 std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch);
 
 inline constexpr double kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
 
-// What one step does.
+// Parameters of one step.
 struct StepPlan {
   double fraction = 1;  // of the run, for the weights of the losses
   size_t level = 0;     // of the photos' pyramids
   ImageOptions image = {};
   std::array<AttributeRates, kAllLayers.size()> rates{};  // [layer kind]
   float rarest = 1;                                       // LayerTraining::Descent
-  // [photo] 1: its glass and gloss weigh nothing, so that they can judge later. Empty: all count.
+  // [photo] 1: its glass and mirrors have weight zero (held out for validation). Empty: all count.
   std::span<const uint8_t> withheld = {};
-  size_t untrained = 0;             // surfels at the end of the diffuse layer that stay as they are
-  ShapeTraining* shapes = nullptr;  // descend, too, at shape_rates
+  size_t untrained = 0;             // surfels at the end of the diffuse layer that remain unchanged
+  ShapeTraining* shapes = nullptr;  // if not null, trained at shape_rates
   ShapeRates shape_rates = {};
-  float specular_weight = 1;                             // of the picture losses on gloss: specular, not transparent
+  float specular_weight = 1;                             // of the picture losses on mirrors: specular, not transparent
   bool glass_sends_rays = true, coats_send_rays = true;  // the pixels of their masks send rays
   std::optional<float> glass_factor = {};                // freeze_glass
   const KnownSurface* known_gloss = nullptr;             // freeze_mirrors, at gloss_factor
@@ -48,9 +48,9 @@ struct StepPlan {
   bool one_glass = false;  // share_glass
 };
 
-// What a training is about; everything must outlive it.
+// Inputs of a training; everything must outlive it.
 struct TrainingDesc {
-  const Capture& capture;  // its training photos are looked at
+  const Capture& capture;  // its training photos are used
   const Targets& targets;  // pixels outside object masks and inside ignore masks have weight 0
   const LossSet& losses;
   uint64_t steps = 0, seed = 1;
@@ -69,10 +69,10 @@ class Training {
   Training(const TrainingDesc& desc, const ImageOptions& image, SplatScene start);
   virtual ~Training() = default;
 
-  // Throws Error{Diverged} when the loss or too many gradients are not finite.
+  // Throws Error{Diverged} if the loss or too many gradients are not finite.
   void step();
-  // The state is worth keeping: the last pictures showed surfels, gradients of the last step were finite, and so are all but a
-  // few surfels.
+  // Whether the state is worth saving: the last pictures contained surfels, gradients of the last step were finite, and so are
+  // all but a few surfels.
   bool sound() const;
   bool finished() const { return step_ >= desc_.steps; }
   uint64_t step_index() const { return step_; }
@@ -82,8 +82,8 @@ class Training {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return layers_[static_cast<size_t>(kind)].counts(); }
 
-  // Continues from a checkpoint. False: there is none, or it is damaged (`damaged` gets the reason); the training is unusable
-  // then.
+  // Resumes from a checkpoint. False: there is none, or it is damaged (`damaged` gets the reason); the training is then
+  // unusable.
   bool resume(const std::filesystem::path& checkpoint, const std::function<void(const std::string& why)>& damaged);
   struct Run {
     std::filesystem::path checkpoint;
@@ -91,13 +91,13 @@ class Training {
     std::function<void()> after_step;  // before its checkpoint
     std::function<void()> after_checkpoint;
   };
-  // To the end. Interrupted it saves its state and throws.
+  // Runs to the end. On interruption saves its state and throws.
   void run(const Run& run);
 
  protected:
-  virtual StepPlan plan() = 0;  // of the next step; begins the phases that are due
-  virtual void end_step() = 0;  // step_index() counts the step already
-  // The whole state, to a checkpoint or from it. Throws Error{Input} when what is read makes no sense.
+  virtual StepPlan plan() = 0;  // of the next step; starts the phases that are due
+  virtual void end_step() = 0;  // step_index() already counts the step
+  // Serialises the whole state. Throws Error{Input} if the data read is invalid.
   virtual void transfer(Archive& archive);
 
   LayerTraining& training(LayerKind kind) { return layers_[static_cast<size_t>(kind)]; }
@@ -117,17 +117,17 @@ class Training {
   SplatScene grad_;
   std::vector<LayerTraining> layers_;  // [layer kind]
   uint64_t step_ = 0;
-  uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel
-  bool broken_ = false;      // many broken gradients in the last step
+  uint32_t bad_streak_ = 0;  // consecutive steps with many non-finite gradients, or without a surfel
+  bool broken_ = false;      // many non-finite gradients in the last step
   double recent_loss_ = 0;
-  EpochRecord epoch_;  // being summed
+  EpochRecord epoch_;  // running sums
   std::vector<EpochRecord> epochs_;
 
   Frame frame_;
   std::vector<float> target_;  // [3,h,w] the photo
   TargetImages images_;
   std::vector<float> weight_;   // [h,w] of the picture losses; empty: one
-  std::vector<float> gloss_;    // [h,w] what sends rays to be reflected
+  std::vector<float> gloss_;    // [h,w] pixels that send reflection rays
   std::vector<float> damping_;  // [diffuse surfels]
 };
 

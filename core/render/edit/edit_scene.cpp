@@ -34,8 +34,8 @@ DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
           remaining(m.transmission, keep.diffuse), remaining(m.albedo_behind_glass, keep.transmittance)};
 }
 
-// Keeps a shape while at least half of the surfels that show it remain: mirrors, coats, sheets of glass. A sheet without surfels
-// is kept. Appendages go with the shape they are attached to.
+// Keeps a shape while at least half of its surfels remain: mirrors, coats, thin glass. Thin glass without surfels is kept.
+// Attached shapes are removed with the shape they are attached to.
 std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
                                           const std::vector<uint8_t>& keep) {
   if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
@@ -120,7 +120,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
   };
   write(kept_surfels(surfels.diffuse, scene.there.diffuse));
-  write(surfels.reflection);  // the opaque twin is not written: it shows the scene before all edits
+  write(surfels.reflection);  // the opaque twin is not written: it contains the scene before all edits
   write(kept_surfels(surfels.transmittance, scene.there.transmittance));
   write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
   const auto copy = [&](const fs::path& source, const fs::path& relative) {

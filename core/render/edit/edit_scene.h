@@ -1,5 +1,5 @@
-// A scene for editing: the outputs of the stages, with flags for the parts that remain. Read once, changed in memory, written as
-// a folder that replaces the artifacts of optimize (with refine), mesh and decompose.
+// Editable scene: the outputs of the stages, with flags for the parts that remain. Read once, changed in memory, written as a
+// folder that replaces the artifacts of optimize (with refine), mesh and decompose.
 #pragma once
 
 #include <filesystem>
@@ -36,13 +36,13 @@ struct EditScene {
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
 };
 
-// True if a surfel of the diffuse layer shows this shape. A shape is deleted with the majority of these surfels.
+// Whether diffuse surfel `i` represents this shape. A shape is deleted with the majority of these surfels.
 bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i);
 
 // Throws Error{Input} with file and cause, also when the files belong to different scenes.
 EditScene read_edit_scene(const EditFolders& folders);
-// Writes the remaining parts. Solid glass loses the part of its shell that lies on deleted mesh faces. Files that edits do not
-// change (views, light of the photos) are copied.
+// Writes the remaining parts. Solid glass loses the part of its glass wall that lies on deleted mesh faces. Files that edits do
+// not change (views, light of the photos) are copied.
 void write_edit_scene(const EditScene& scene, const EditFolders& from, const std::filesystem::path& folder);
 
 }  // namespace vitrine

@@ -6,8 +6,8 @@
 //   box        positions inside the box
 //   marks      positions that project into the marked region of every marked photo
 //   component  a connected component of the mesh, the surfels near it, and the content behind its glass
-// The mesh behind glass is selected like the surfels behind glass. A face is selected if two of its vertices are. Nothing selects
-// the reflection layer: it holds mirrored positions.
+// The mesh behind glass is selected like the surfels behind glass. A face is selected if two of its vertices are. The
+// reflection layer is never selected: it contains mirrored positions.
 #pragma once
 
 #include <cstddef>
@@ -54,10 +54,10 @@ struct MeshComponent {
 
 class SceneSelector {
  public:
-  // All arguments but the pixels must outlive this object. Material edits and deletions do not change selections.
+  // All arguments except the pixels must outlive this object. Material edits and deletions do not change selections.
   SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
 
-  // Includes deleted parts. Throws Error{Input} at `where` when a class has no masks, or an object or component does not exist.
+  // Includes deleted parts. Throws Error{Input} at `where` if a class has no masks, or an object or component does not exist.
   Parts select(const Selector& selector, const std::string& where);
   const std::vector<MeshComponent>& components() const { return components_; }  // largest first
 

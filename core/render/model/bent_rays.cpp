@@ -10,8 +10,8 @@
 namespace vitrine {
 
 namespace {
-constexpr size_t kBentGrain = 256;  // pixels
-constexpr int kPictureRays = 2;     // a pixel, each way, where nobody asks for gradients: what is seen in glass is small
+constexpr size_t kBentGrain = 256;  // pixels per parallel chunk
+constexpr int kPictureRays = 2;     // rays per pixel and axis without gradients: objects appear small in glass
 
 struct BentPixels {  // of one chunk
   std::vector<uint32_t> pixels, leg_counts;
@@ -93,7 +93,7 @@ void BentRays::forward(const TransmissionOptions& options, const SplatLayer& ope
   parallel_chunks(legs_.pixels.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
     for (size_t p = first; p < last; ++p) {
       const uint32_t pixel = legs_.pixels[p];
-      if (p > 0 && legs_.pixels[p - 1] == pixel) continue;  // the first of a pixel's rays sums them up
+      if (p > 0 && legs_.pixels[p - 1] == pixel) continue;  // the first of a pixel's rays already sums them up
       BentLegs::Shown mean{.color = {}, .transmittance = 0};
       float rays = 0;
       for (size_t q = p; q < legs_.pixels.size() && legs_.pixels[q] == pixel; ++q, ++rays) {
@@ -122,7 +122,7 @@ void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, 
       for (uint32_t k = begin; k < end; ++k) {
         through *= legs_.passed[k];
         gradients_.color[k] = through * g;
-        gradients_.transmittance[k] = through;  // times what comes from behind, below
+        gradients_.transmittance[k] = through;  // multiplied by the radiance behind, below
         through *= values_.transmittance[k];
       }
       Vec3f beyond{};

@@ -11,12 +11,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kCompositeGrain = 512;  // groups
+constexpr size_t kCompositeGrain = 512;  // groups per parallel chunk
 constexpr size_t kPixels = 1 << 14;
 
 float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3.f; }
 
-// What a pixel of the group can show: what it asked for, as far as the group's rays brought it.
+// Layers available in a pixel: those it requested, if the group's rays sampled them.
 LayersPresent present(const Frame& frame, size_t group, uint32_t entry) {
   const LayersPresent asks = frame.shaded.asks[entry], sent = frame.shaded.asked(group);
   return {.reflection = asks.reflection && sent.reflection,
@@ -29,7 +29,7 @@ Vec3f at(const std::vector<float>& plane, size_t pixels, uint32_t pixel) {
   return {plane[pixel], plane[pixels + pixel], plane[2 * pixels + pixel]};
 }
 
-// What is seen through the glass: behind thin glass every pixel has its own.
+// Transmitted radiance: per pixel behind thin glass, otherwise per group.
 Vec3f transmitted(const Frame& frame, size_t group, uint32_t pixel) {
   const std::vector<float>& own = frame.behind.radiance;
   return own.empty() ? radiance(frame.transmission, group) : at(own, frame.pixel_count(), pixel);
@@ -59,7 +59,7 @@ void start_layers(Frame& frame) {
   l.inner_transmittance.assign(pixels, 1.f);
 }
 
-// One for each radiance that there is.
+// Sizes the weights of each existing radiance.
 void start_weights(Frame& frame) {
   for (SecondaryRays* rays : {&frame.reflection, &frame.transmission}) rays->picture_weight.assign(rays->radiance.size(), 0.f);
   frame.behind.picture_weight.assign(frame.behind.radiance.size() / 3, 0.f);
@@ -140,7 +140,7 @@ float CompositePass::gate(const Frame& frame, uint32_t pixel) const {
   return std::exp(-frame.options.composite.gate * std::max(0.f, squares / count - average * average));
 }
 
-// Every pixel of the group to what it shows of its own.
+// Gradient of the per-pixel transmitted radiance of all pixels of the group.
 void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const {
   const ShadedPixels& s = frame.shaded;
   for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
@@ -155,7 +155,7 @@ void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t 
   }
 }
 
-// Flat mirrors show every pixel a picture of its own, too.
+// Gradient of the per-pixel reflection in flat mirrors.
 void CompositePass::mirrors_backward(Frame& frame, const GBuffer& buffer, size_t group) const {
   const ShadedPixels& s = frame.shaded;
   const Vec3f beyond = radiance(frame.reflection, group);

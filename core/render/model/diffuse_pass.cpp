@@ -9,7 +9,7 @@
 namespace vitrine {
 
 namespace {
-constexpr size_t kDiffuseGrain = 1 << 15;  // floats
+constexpr size_t kDiffuseGrain = 1 << 15;  // floats per parallel chunk
 }
 
 void DiffusePass::forward(const SplatScene& scene, Frame& frame) {

@@ -12,8 +12,9 @@ namespace {
 
 constexpr size_t kDisplayGrain = 8192;
 
-// The transfer above its knee is 1.055 l^(1/2.4) - 0.055, and l^(1/2.4) = t^(5/3) with t = l^(1/4): two square roots and a
-// polynomial in t, scaled to [-1, 1] over [knee^(1/4), 1] (Chebyshev nodes, |error| < 6e-7 in float). Loops of it become vectors.
+// The sRGB transfer function above its knee is 1.055 l^(1/2.4) - 0.055, and l^(1/2.4) = t^(5/3) with t = l^(1/4): two square
+// roots and a polynomial in t, scaled to [-1, 1] over [knee^(1/4), 1] (Chebyshev nodes, |error| < 6e-7 in float). Its loops
+// vectorise.
 inline float display_value(float l) {
   const float u = 2.6196699f * std::sqrt(std::sqrt(l)) - 1.6196699f;
   float p = -8.03033181e-05f;
@@ -26,12 +27,12 @@ inline float display_value(float l) {
   p = p * u + 0.418389678f;
   return l > kSrgbKnee ? p : 12.92f * l;
 }
-// Its slope at l, given its value there.
+// Its derivative at l, given its value there.
 inline float display_slope(float l, float value) {
   return l > kSrgbKnee ? (value + 0.055f) / (2.4f * std::max(l, kSrgbKnee)) : 12.92f;
 }
 
-// Runs body(begin, end, gain) over the pieces of the three planes.
+// Calls body(begin, end, gain) for chunks of the three planes.
 template <class Body>
 void for_pieces(const Frame& frame, const Body& body) {
   const size_t pixels = frame.pixel_count();
@@ -64,7 +65,7 @@ void DisplayPass::backward(const SplatScene&, Frame& frame, SplatScene&) {
     float* __restrict out = frame.grad_linear.data();
     for (size_t i = begin; i < end; ++i) {
       const float l = gain * linear[i], g = grad[i];
-      // Clipped values may only come back into range.
+      // The gradient of a clipped value only moves it back into range.
       const float seen = l > 1.f ? std::max(g, 0.f) : l < 0.f ? std::min(g, 0.f) : g;
       out[i] = seen * gain * display_slope(std::min(std::max(l, 0.f), 1.f), srgb[i]);
     }

@@ -17,7 +17,7 @@ constexpr float kCellVoxels = 4, kSigmaVoxels = 2;
 constexpr float kClearTriangle = 0.5f;
 constexpr size_t kGlassGrain = 1024;
 
-// Surfels by the cell of a grid that they lie in: sorted keys, neighbours by binary search.
+// Uniform grid of surfels: sorted cell keys, neighbours by binary search.
 class SurfelGrid {
  public:
   SurfelGrid(const SplatLayer& layer, float cell) : layer_(layer), cell_(cell) {
@@ -47,7 +47,7 @@ class SurfelGrid {
     for (size_t a = 0; a < 3; ++a) c[a] = static_cast<int64_t>(std::floor(double(p[a]) / double(cell_)));
     return c;
   }
-  // Cells that share a key by accident are too far away to count.
+  // Hash collisions are harmless: colliding cells are too far away to count.
   static uint64_t key(const std::array<int64_t, 3>& c) {
     return mix64(mix64(static_cast<uint64_t>(c[0]), static_cast<uint64_t>(c[1])), static_cast<uint64_t>(c[2]));
   }

@@ -8,9 +8,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kOpaqueGrain = 1 << 13;  // pixels
+constexpr size_t kOpaqueGrain = 1 << 13;  // pixels per parallel chunk
 
-// Whether the twin has any share of a picture.
+// Whether the twin contributes to a picture.
 bool blends(const SplatScene& scene, const ImageOptions& options) {
   if (scene.opaque.size() == 0) return false;
   const ShapeSet* const set = options.shape.set.get();

@@ -9,14 +9,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kOpenedGrain = 512;  // surfels
-constexpr float kNoGloss = 1e-4f;     // k_s and tau of what is opaque without gloss
+constexpr size_t kOpenedGrain = 512;  // surfels per parallel chunk
+constexpr float kNoGloss = 1e-4f;     // k_s and tau of opaque, non-specular surfels
 constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
                                         Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
 constexpr Attribute kSurfaceMaterials[] = {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight,
                                            Attribute::Transmission};
 
-// Coefficients above the degree in use are not part of the picture, whatever the other layer's degree is.
+// Coefficients above the used degree are not part of the picture, whatever the degree of the other layer.
 size_t used_width(const SplatLayer& layer, Attribute a, int degree) {
   return a == Attribute::ShRest ? 3 * (sh_coefficient_count(degree) - 1) : layer.width(a);
 }

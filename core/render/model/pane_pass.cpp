@@ -16,9 +16,9 @@ namespace {
 
 constexpr uint32_t kNoPane = UINT32_MAX;
 constexpr size_t kPaneGrain = 1024;
-constexpr double kOnePane_rel = 1e-5;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
-constexpr double kOwnSurfels = 3;      // tolerances of a mirror: polished surfels so near to it are its own
-constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind the mirror; the pane cuts, not the camera
+constexpr double kOnePane_rel = 1e-5;  // of the distance to the glass: a ray that leaves within it has passed one pane, not two
+constexpr double kOwnSurfels = 3;      // in tolerances of a mirror: specular surfels within this distance belong to it
+constexpr float kMirrorNear = 1e-3f;   // scene units in front of the mirrored camera; the pane clips, not the camera
 
 }  // namespace
 
@@ -37,8 +37,8 @@ void PaneImages::start(size_t pixels) {
   for (auto* plane : {&far_share, &far_cosine}) plane->assign(pixels, 0.f);
 }
 
-// Behind the plane everything is mirrored, S = 1 - 2 n n^T. A camera cannot be, so it sees the mirrored room mirrored once more,
-// in x: its rotation is diag(-1, 1, 1) R S.
+// Reflection S = 1 - 2 n n^T at the plane. A camera cannot be reflected (a rotation has determinant 1), so its picture is also
+// flipped in x: its rotation is diag(-1, 1, 1) R S.
 View mirrored_view(const View& view, const Vec3d& normal, double offset) {
   View out = view;
   Mat3d& rotation = out.cam_from_world.rotation;
@@ -52,7 +52,7 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
   return out;
 }
 
-// Surfels that show the mirror itself would hide everything from a camera behind it.
+// Finds the surfels of the mirror itself, which would occlude the scene from the mirrored camera.
 void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float polished) {
   own_.assign(scene.diffuse.size(), 0);
   for (uint32_t entry = 0; entry < set.entries.size(); ++entry) {
@@ -79,7 +79,7 @@ void PanePass::list_panes(const ShapeSet& set) {
   }
 }
 
-// By which panes the rays of the pixels enter and leave, those that get past everything in the case.
+// Panes through which the rays of the pixels enter and leave, for rays that pass everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
@@ -95,7 +95,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       pane_of_[Near][pixel] = first_pane_[entry] + frame.sheets.element[pixel];
       out.shown[pixel] = 1;
       if (frame.options.shape.set->entries[entry].role == ShapeRole::Solid) continue;
-      // Out of a convex sheet by the first facet that looks away.
+      // Exit of a convex case: the nearest facet that faces away.
       double leaves_at = 1e300, rise = 0;
       uint32_t by = kNoPane;
       for (uint32_t k = first_pane_[entry]; k < first_pane_[entry + 1]; ++k) {
@@ -114,7 +114,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
   });
 }
 
-// By which facets opaque pixels mirror.
+// Facets that opaque pixels mirror.
 void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
   const ShapeSet& set = *frame.options.shape.set;
   const std::vector<uint32_t>& shown = frame.silhouette.shapes;
@@ -141,13 +141,13 @@ uint32_t PanePass::entry_of(uint32_t pane) const {
   return static_cast<uint32_t>(std::ranges::upper_bound(first_pane_, pane) - first_pane_.begin() - 1);
 }
 
-// The picture in one pane, of all pixels whose rays enter or leave by it.
+// Renders the reflection in one pane, for all pixels whose rays enter or leave through it.
 void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out) {
   const Facet& plane = panes_[pane].plane;
   const std::vector<uint32_t>& pane_of = pane_of_[side];
   const int width = frame.view->intrinsics.width;
   const size_t pixels = pane_of.size();
-  PictureWindow window;  // of the picture turned left to right
+  PictureWindow window;  // in the flipped picture
   const auto turned = [&](size_t pixel) { return width - 1 - static_cast<int>(pixel) % width; };
   const auto row_of = [&](size_t pixel) { return static_cast<int>(pixel) / width; };
   for (size_t i = 0; i < pixels; ++i)
@@ -165,7 +165,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   for (size_t i = 0; i < pixels; ++i)
     if (pane_of[i] == pane) wanted[window.index(turned(i), row_of(i))] = 1;
 
-  // What lies on the mirror's own side: outside of the near pane, inside of the far one.
+  // Half-space on the mirror's reflecting side: outside the near pane, inside the far one.
   const double outside = side == Near ? 1 : -1;
   const Vec3f normal = cast<float>(outside * plane.normal);
   const auto offset = static_cast<float>(outside * plane.offset + panes_[pane].at_pane);
@@ -202,7 +202,7 @@ void PanePass::forward(const SplatScene& scene, Frame& frame) {
   out.start(frame.pixel_count());
   for (auto& panes : pane_of_) panes.assign(frame.pixel_count(), kNoPane);
   const bool opened =
-      draws_sheets(frame.options) || !frame.behind.radiance.empty();  // passes before have the scene without glass
+      draws_sheets(frame.options) || !frame.behind.radiance.empty();  // earlier passes have built the scene without glass
   if (!frame.sheets.empty() && !frame.behind.radiance.empty()) find_panes(frame, out);
   find_mirrors(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
@@ -215,12 +215,12 @@ void PanePass::forward(const SplatScene& scene, Frame& frame) {
     out.grad_open.assign(frame.pixel_count(), 0.f);
     out.picture_weight.assign(frame.pixel_count(), 0.f);
   }
-  // They mirror before there is a reflection layer, too.
+  // They also reflect before a reflection layer exists.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;
 }
 
-// A flat mirror of known place is one more camera.
+// A flat mirror of known position acts as one more camera.
 void PanePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   if (mirrors_.empty()) return;
   const PaneImages& panes = frame.panes;

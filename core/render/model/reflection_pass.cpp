@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint64_t kLobeStream = 0x5f02;
 constexpr size_t kReflectionGrain = 512;
-// Steps of the R2 sequence (Roberts 2018): inverse powers of the root of x^3 = x + 1. Consecutive points fill the square evenly,
-// so that few rays of a pixel, over samples and over steps, cover its lobe.
+// Steps of the R2 sequence (Roberts 2018): inverse powers of the root of x^3 = x + 1. Consecutive points fill the square
+// evenly, so that few rays of a pixel, over samples and over steps, cover its lobe.
 constexpr double kR2[] = {0.7548776662466927, 0.5698402909980532};
 
 float fraction(double x) { return static_cast<float>(x - std::floor(x)); }
@@ -26,7 +26,7 @@ GlossyRay<float> mirror_ray(const Vec3f& view, const SurfacePoint<float>& p) {
   return ray;
 }
 
-// Panes that show the scene alone have no use for the layer.
+// True if the panes' reflections show only the scene, so that the reflection layer is not needed.
 bool mirrored_already(const Frame& frame, size_t group) {
   constexpr float kClosed = 1 / 255.f;
   const PaneImages& panes = frame.panes;
@@ -46,7 +46,7 @@ TraceDesc trace_desc(const ReflectionOptions& o, const SplatLayer& layer) {
 
 }  // namespace
 
-// Samples [first_sample, last_sample) of every group; a mirror ray is the first sample.
+// Emits samples [first_sample, last_sample) of every group; a mirror ray is the first sample.
 void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
   const ShadedPixels& s = frame.shaded;
   SecondaryRays& r = frame.reflection;
@@ -96,7 +96,7 @@ void ReflectionPass::forward(const SplatScene& scene, Frame& frame) {
   SecondaryRays& r = frame.reflection;
   const TraceDesc desc = trace_desc(options, scene.reflection);
   const int samples = options.lobe == Lobe::Sampled ? std::max(options.samples, 1) : 1;
-  // All samples at once are needed for gradients alone: 64 of them for a large picture are gigabytes.
+  // Only gradients need all samples at once: 64 of them for a large picture are gigabytes.
   const int at_once = frame.differentiable ? samples : 1;
   sum_.clear();
   for (int i = 0; i < samples; i += at_once) {
@@ -115,7 +115,7 @@ void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene&
   if (r.rays.empty()) return;
   r.trace_back(*tracer_, trace_desc(frame.options.reflection, scene.reflection), s, frame.error_image, grad.reflection,
                &ray_gradients_);
-  // Rays of a group are neighbours, and a group's point belongs to it alone.
+  // Rays of a group are adjacent, and a group's point belongs only to it: no data race.
   parallel_chunks(s.groups(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g)
       for (uint32_t i = r.begin[g]; i < r.begin[g + 1]; ++i) {

@@ -5,7 +5,7 @@
 namespace vitrine {
 
 namespace {
-constexpr size_t kRayGrain = 512;  // groups
+constexpr size_t kRayGrain = 512;  // groups per parallel chunk
 }
 
 void ShadedPixels::clear() {

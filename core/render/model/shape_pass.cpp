@@ -9,14 +9,14 @@ namespace vitrine {
 
 namespace {
 
-// Tolerances that a pixel may show behind a shape: the far side of it, through gaps of the near side. Farther off is another
-// thing, seen where the shape is gone.
+// Maximum distance of a pixel's surface behind a shape, in tolerances: its far side, seen through gaps of the near side. A
+// surface farther behind is another object, seen where the shape is missing.
 constexpr double kBehind = 2.2 / 0.06;
-// The same of a coat: paint has no gaps, but a hull fills its hollows.
+// The same for a coat: paint has no gaps, but a visual hull fills concavities.
 constexpr double kBehindCoat = 4;
 constexpr size_t kBandRows = 8;
 
-// Where surfels of the coats lie at all.
+// Bounds of the surfels of coats.
 std::vector<Bounds3> coat_bounds(const ShapeSet& set) {
   std::vector<Bounds3> out;
   for (const ShapeSet::Entry& e : set.entries) {
@@ -109,8 +109,8 @@ void ShapePass::show_coats(Frame& frame) const {
   });
 }
 
-// Of the pixels that sent rays, and of those that silhouettes cross, for their silhouette alone: it was not their middle that
-// mirrored (SilhouettePass). What losses on normals and depths want is meant for the surfels.
+// Uses the pixels that sent rays; pixels crossed by a silhouette contribute only through the silhouette, since their centre was
+// not the reflection point (SilhouettePass). Gradients of losses on normals and depths go to the surfels.
 void ShapePass::shape_gradients(const Frame& frame) {
   const ShapeSet& set = *options_.set;
   for (const ShapeSet::Entry& e : set.entries) gradients_.emplace_back(parameter_count(e.shape), 0.0);
@@ -136,7 +136,7 @@ void ShapePass::shape_gradients(const Frame& frame) {
       silhouette_vjp(p, set.entries[p.entry].shape, double(silhouette.grad_covered[i]), gradients_[p.entry]);
 }
 
-// N = A n and Z = A z, n and z of the shape.
+// N = A n and Z = A z, with n and z of the shape.
 void ShapePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   gradients_.clear();
   if (bands_.empty()) return;

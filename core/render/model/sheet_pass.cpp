@@ -12,21 +12,21 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kSheetRows = 8;
-constexpr float kSheetSpecular = 0.002f;  // k_s: above clear_gate's threshold, and nothing beside Fresnel's law
+constexpr float kSheetSpecular = 0.002f;  // k_s: above clear_gate's threshold, and negligible compared with Fresnel
 constexpr float kSheetRoughness = 0.05f;
-constexpr float kFrameSpecular = 0.1f;  // k_s of metal
-constexpr float kBehindAlpha = 0.5f;    // of the surfels: below, nothing stands in front of a sheet
+constexpr float kFrameSpecular = 0.1f;  // minimum k_s of metal
+constexpr float kBehindAlpha = 0.5f;    // of the surfels: below it, nothing is in front of the glass
 constexpr std::array<std::array<double, 2>, 4> kQuarters{{{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}};
 constexpr Aov kOverwritten[] = {Aov::Normal,    Aov::ZDepth,         Aov::MedianZ,     Aov::F0,
                                 Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
 
-// What the surfels show in a pixel.
+// Surface of the surfels in a pixel.
 struct Shown {
-  double z;      // z-depth; infinite where they show next to nothing
-  bool mirrors;  // metal: at a sheet, its frame
+  double z;      // z-depth; infinite where alpha is low
+  bool mirrors;  // metal: at thin glass, its frame
 };
 
-// Rays of one picture to the sheets of a scene.
+// Casts camera rays against the glass shapes of a scene.
 class SheetRays {
  public:
   SheetRays(const Frame& frame) : set_(*frame.options.shape.set), view_(*frame.view), eye_(view_.centre_in_world()) {
@@ -36,7 +36,7 @@ class SheetRays {
       all_.extend(b.low), all_.extend(b.high);
     }
   }
-  // Along (x, y) of the picture, before what the surfels show.
+  // First hit along (x, y) of the picture, in front of the surfels.
   std::optional<ShapeSet::Hit> first(double x, double y, const Shown& shown) const {
     const Vec3d per_z = view_.ray(x, y);
     const Ray ray{eye_, per_z};
@@ -63,7 +63,7 @@ class SheetRays {
   const ShapeSet& set_;
   const View& view_;
   Vec3d eye_;
-  Bounds3 all_;  // of all sheets
+  Bounds3 all_;  // of all glass shapes
 };
 
 Shown shown_by_surfels(const Frame& frame, bool reflects, size_t pixel) {
@@ -83,7 +83,7 @@ bool draws_sheets(const ImageOptions& options) {
   return options.transmission.glass == Glass::Thin && options.shape.set && options.shape.set->has_glass();
 }
 
-// What the middles of all pixels look at.
+// Casts rays through all pixel centres.
 void SheetPass::look(const Frame& frame, bool reflects) {
   const SheetRays rays(frame);
   const auto width = static_cast<size_t>(frame.view->intrinsics.width),

@@ -12,12 +12,12 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kShellGrain = 256;
-constexpr double kAtWall_rel = 0.4;    // of the tolerance of the sheet: what stands so near to a wall stands at it
-constexpr double kOneWall_rel = 1e-4;  // of the way to a shell: who leaves it so soon has passed one wall, not two
-constexpr float kDimRay = 0.02f;       // transmittance below which a ray ends: a sheet mirrors a tenth
-constexpr double kBeyond_rel = 1.01;   // of the way to the end of a shape's bounds
+constexpr double kAtWall_rel = 0.4;    // of the glass tolerance: surfels within this distance of a wall belong to it
+constexpr double kOneWall_rel = 1e-4;  // of the distance to the glass: a ray that leaves within it has passed one wall, not two
+constexpr float kDimRay = 0.02f;       // transmittance at which a ray ends: thin glass reflects a tenth
+constexpr double kBeyond_rel = 1.01;   // of the distance to the end of a shape's bounds
 
-// Along the ray, past all of the box.
+// Distance along the ray to behind the whole box.
 double way_past(const Bounds3& box, const Ray& ray) {
   double way = 0;
   for (const double x : {box.low.x, box.high.x})
@@ -44,7 +44,7 @@ ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel) const {
   return {eye + left * per_z, back->normal, static_cast<float>(rise / length(per_z)), true, past};
 }
 
-// Rays of the chosen pixels; where any pixel of a group looks out, the far one as well.
+// Rays of the chosen pixels; if any pixel of a group sees the outside, also for the far wall.
 void ShellPass::emit(const Frame& frame) {
   const ShadedPixels& s = frame.shaded;
   const PaneImages& panes = frame.panes;

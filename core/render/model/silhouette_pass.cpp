@@ -13,22 +13,23 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInFront_rel = 1. / 12;  // of the tolerance of the shape: what is in front by more is something else
-constexpr double kRounded_rel = 0.01;     // of its size: a shape reaches so far beyond its bounds, at most
-constexpr double kLikeShape = 0.7;        // cosine between the normals of a surfel of the shape and of the shape
-constexpr float kCoreAlpha = 0.9f;        // a pixel shows the shape alone
+constexpr double kInFront_rel = 1. / 12;  // of the tolerance of the shape: surfaces farther in front are other objects
+constexpr double kRounded_rel = 0.01;     // of its size: maximum distance by which a shape exceeds its bounds
+constexpr double kLikeShape = 0.7;        // minimum cosine between the normals of a surfel of the shape and of the shape
+constexpr float kCoreAlpha = 0.9f;        // minimum alpha of a pixel that shows only the shape
 constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the silhouette
 constexpr int kDonorReach = 2 * kSilhouetteBand + kDonorSlack;
 constexpr uint8_t kAtEdge = 1, kInside = 2;  // in_band_
-constexpr float kThinDonor = 2;    // pixels from the silhouette: the least for materials, where there is no pixel farther inside
-constexpr float kDullRest = 0.1f;  // what stands behind is shown with its diffuse colour alone: k_s and tau at most
+constexpr float kThinDonor = 2;    // pixels from the silhouette: minimum distance of material donors if no pixel is farther
+                                   // inside
+constexpr float kDullRest = 0.1f;  // maximum k_s and tau of the background, which is rendered with its diffuse colour only
 constexpr Aov kMaterials[] = {Aov::Color, Aov::F0, Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
 constexpr Aov kShownByRest[] = {Aov::Color,        Aov::Normal, Aov::F0,    Aov::Roughness, Aov::SpecularWeight,
                                 Aov::Transmission, Aov::ZDepth, Aov::Alpha, Aov::MedianZ};
 
 size_t width_of(Aov a) { return static_cast<size_t>(row(a).width); }
 
-// Pixels around one, nearest first.
+// Pixel offsets, nearest first.
 std::vector<std::pair<int, int>> around_by_distance() {
   std::vector<std::pair<int, int>> out;
   for (int y = -kDonorReach; y <= kDonorReach; ++y)
@@ -38,7 +39,7 @@ std::vector<std::pair<int, int>> around_by_distance() {
   return out;
 }
 
-// Entries that mirror, and where surfels that show them are at all.
+// Mirror entries and the bounds of their surfels.
 struct Located {
   const ShapeSet::Entry* entry;
   Bounds3 reach;
@@ -76,14 +77,14 @@ void SilhouetteImages::clear() {
   for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
 }
 
-// The scene without the surfels of the shapes.
+// Renders the scene without the surfels of the shapes.
 void SilhouettePass::draw_rest(const SplatScene& scene, Frame& frame) {
   const int width = frame.view->intrinsics.width;
   window_ = {};
   for (const SilhouettePixel& p : frame.silhouette.pixels)
     window_.extend(static_cast<int>(p.pixel) % width, static_cast<int>(p.pixel) / width);
   const std::vector<Located> shapes = located(*options_.set);
-  const bool sheets = draws_sheets(frame.options);  // whose surfels are not drawn
+  const bool sheets = draws_sheets(frame.options);  // their surfels are not rendered
   rest_.choose(scene.diffuse, window_.view(*frame.view), [&](size_t i) {
     return !(sheets && is_glass(scene.diffuse, i)) && !shows(scene.diffuse, i, shapes, options_.polished);
   });
@@ -116,10 +117,10 @@ uint32_t SilhouettePass::donor(const SilhouettePixel& at, const Frame& frame) co
     if (in_band_[pixel] == 0) return pixel;
     if (thin == UINT32_MAX) thin = pixel;
   }
-  return thin;  // a thin part, all of which is near its silhouette
+  return thin;  // a thin part, entirely near its silhouette
 }
 
-// Whether the two pictures side by side are what the pixel shows.
+// Whether the blend of the two pictures matches the pixel.
 bool SilhouettePass::fits(const SilhouettePixel& at, const Frame& frame) const {
   const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
   const float alpha = rest_.picture().plane(Aov::Alpha)[w];
@@ -163,7 +164,7 @@ void SilhouettePass::forward(const SplatScene& scene, Frame& frame) {
   in_band_.assign(frame.pixel_count(), 0);
   for (const SilhouettePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
   for (const SilhouettePixel& p : candidates) {
-    if (frame.sheets.shows(p.pixel)) continue;  // glass stands in front, or behind the silhouette
+    if (frame.sheets.shows(p.pixel)) continue;  // glass is in front, or behind the silhouette
     if (const uint32_t from = donor(p, frame); from != UINT32_MAX) out.pixels.push_back(p), donors_.push_back(from);
   }
   if (out.pixels.empty()) return out.clear();
@@ -183,7 +184,7 @@ void SilhouettePass::forward(const SplatScene& scene, Frame& frame) {
   }
 }
 
-// What losses and later passes ask of a pixel's channels is asked of where they came from.
+// Moves the channel gradients of later passes and losses to the pixels the channels were copied from.
 void SilhouettePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
   SilhouetteImages& out = frame.silhouette;
   if (out.pixels.empty()) return;
@@ -191,11 +192,11 @@ void SilhouettePass::backward(const SplatScene&, Frame& frame, SplatScene& grad)
   const int width = frame.view->intrinsics.width;
   RasterImages& asked = frame.grad_diffuse;
   blame_.assign(frame.error_image.empty() ? 0 : window, 0.f);
-  // Backwards, as donors of thin parts are pixels of silhouettes themselves.
+  // In reverse order, since donors of thin parts are silhouette pixels themselves.
   for (size_t i = out.pixels.size(); i-- > 0;) {
     const SilhouettePixel& p = out.pixels[i];
     const size_t w = in_window(p.pixel, width);
-    const bool own = p.covered > 0 && donors_[i] == p.pixel;  // it keeps its materials
+    const bool own = p.covered > 0 && donors_[i] == p.pixel;  // it keeps its own materials
     for (size_t c = 0; c < 3; ++c) {
       asked.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
       frame.grad_linear[c * pixels + p.pixel] = 0;
@@ -223,7 +224,7 @@ void SilhouettePass::backward(const SplatScene&, Frame& frame, SplatScene& grad)
       for (size_t c = 0; c < width_of(r.id) && !asked.plane(r.id).empty(); ++c) asked.plane(r.id)[c * pixels + p.pixel] = 0;
     if (blame_.empty()) continue;
     blame_[w] = (1 - p.covered) * frame.error_image[p.pixel];
-    frame.error_image[p.pixel] = 0;  // no surfel of the shape shows there
+    frame.error_image[p.pixel] = 0;  // no surfel of the shape is visible there
   }
   rest_.backward(blame_, grad.diffuse, frame.statistics);
 }

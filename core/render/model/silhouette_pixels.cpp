@@ -13,14 +13,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kBetween_rel = 0.01;     // of its extent: a shape reaches so far beyond its outer points, at most
-constexpr double kSilhouetteNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
-constexpr int kGrow = 2;                  // pixels; the silhouette's direction is that in which the shape ends within them
-constexpr double kEdgeReach = 2;          // pixels along that direction in which the edge must lie
+constexpr double kBetween_rel = 0.01;     // of its extent: maximum distance by which a shape exceeds its outer points
+constexpr double kSilhouetteNear = 1e-3;  // z-depth; closer points are not projected
+constexpr int kGrow = 2;                  // pixels; the silhouette's direction is estimated from the hits within this distance
+constexpr double kEdgeReach = 2;          // pixels along that direction that must contain the edge
 constexpr double kBeside = 0.75;          // pixels to either side, between which the edge is straight
-constexpr int kHalvings = 10;             // of kEdgeReach: the edge is known to a 500th of a pixel
+constexpr int kHalvings = 10;             // bisection steps of kEdgeReach: the edge is accurate to 1/500 pixel
 
-// Around points of a surface; none where one is behind the camera or all are beside the picture.
+// Screen bounds of surface points; none if one is behind the camera or all are outside the picture.
 class Extent {
  public:
   explicit Extent(const View& view) : view_(view) {}
@@ -54,7 +54,7 @@ std::optional<PictureWindow> window_of(const Shape& shape, const View& view) {
   return extent.window();
 }
 
-// Windows that overlap become one.
+// Merges overlapping windows.
 std::vector<PictureWindow> merged(std::vector<PictureWindow> windows) {
   for (size_t i = 0; i < windows.size(); ++i)
     for (size_t j = 0; j < windows.size(); ++j) {
@@ -63,14 +63,14 @@ std::vector<PictureWindow> merged(std::vector<PictureWindow> windows) {
       if (!a.meets(b)) continue;
       a.extend(b);
       windows.erase(windows.begin() + ptrdiff_t(j));
-      return merged(std::move(windows));  // the larger one may meet those before
+      return merged(std::move(windows));  // the merged window may overlap earlier ones
     }
   return windows;
 }
 
 class WindowSilhouette {
  public:
-  // `has_silhouette`: [entry] 0 where it has no silhouette, as it reaches behind the camera; it hides what is behind it.
+  // `has_silhouette`: [entry] 0 if it reaches behind the camera and so has no silhouette; it still occludes.
   WindowSilhouette(const ShapeSet& set, const std::vector<uint8_t>& has_silhouette, const View& view, const PictureWindow& window)
       : set_(set), silhouetted_(has_silhouette), view_(view), window_(window), eye_(view.centre_in_world()) {}
 
@@ -80,10 +80,10 @@ class WindowSilhouette {
   using Met = ShapeSet::Hit;
   struct End {
     double distance;
-    Met met;  // of the last ray that meets anything
+    Met met;  // of the last ray with a hit
   };
   size_t at(int x, int y) const { return static_cast<size_t>(y * window_.width() + x); }
-  // A ray through window coordinates, the pixels' centres at .5.
+  // Ray through window coordinates, with pixel centres at .5.
   Vec3d ray(double x, double y) const { return view_.ray(window_.left + x, window_.top + y); }
   std::optional<Met> met(double x, double y) const { return set_.first_hit({eye_, ray(x, y)}, ShapeRole::Mirror); }
   std::optional<End> end_along(double x, double y, const Vec2d& out) const;
@@ -96,7 +96,7 @@ class WindowSilhouette {
   const View& view_;
   const PictureWindow window_;
   const Vec3d eye_;
-  std::vector<std::optional<Met>> met_;  // [window] by the pixels' middles
+  std::vector<std::optional<Met>> met_;  // [window] at the pixel centres
 };
 
 bool WindowSilhouette::beside_edge(int x, int y) const {
@@ -107,7 +107,7 @@ bool WindowSilhouette::beside_edge(int x, int y) const {
   return false;
 }
 
-// How far along `out` from window coordinates (x, y) the shape ends, within kEdgeReach either way.
+// Distance along `out` from window coordinates (x, y) to the end of the shape, within kEdgeReach either way.
 std::optional<WindowSilhouette::End> WindowSilhouette::end_along(double x, double y, const Vec2d& out) const {
   const auto at_distance = [&](double d) { return met(x + d * out.x, y + d * out.y); };
   auto here = at_distance(0);
@@ -124,7 +124,7 @@ std::optional<WindowSilhouette::End> WindowSilhouette::end_along(double x, doubl
   return End{inside, *last};
 }
 
-// The edge as a straight line through the pixel; none where the neighbourhood does not tell its direction or has no one edge.
+// Fits a straight edge through the pixel; none if its neighbourhood does not determine a direction or has more than one edge.
 std::optional<SilhouettePixel> WindowSilhouette::crossed(int x, int y) const {
   Vec2d inwards{};
   for (int v = std::max(y - kGrow, 0); v <= std::min(y + kGrow, window_.height() - 1); ++v)
@@ -133,7 +133,7 @@ std::optional<SilhouettePixel> WindowSilhouette::crossed(int x, int y) const {
   const double size = std::hypot(inwards.x, inwards.y);
   if (!(size > 0)) return std::nullopt;
   Vec2d out{-inwards.x / size, -inwards.y / size};
-  // Pixels count coarsely; the edge beside the pixel's middle, to either side, tells the direction better.
+  // The pixel count gives a coarse direction; the edge positions on either side of the pixel centre refine it.
   const double mx = x + 0.5, my = y + 0.5;
   const auto left = end_along(mx - kBeside * out.y, my + kBeside * out.x, out),
              right = end_along(mx + kBeside * out.y, my - kBeside * out.x, out);
@@ -155,7 +155,7 @@ std::optional<SilhouettePixel> WindowSilhouette::crossed(int x, int y) const {
   const double gx = out.x * k.fx / in_camera.z, gy = out.y * k.fy / in_camera.z;
   p.grows = edge.length *
             transposed_times(view_.cam_from_world.rotation, Vec3d{gx, gy, -(gx * in_camera.x + gy * in_camera.y) / in_camera.z});
-  // The middle of what is covered, half way from the edge to where the pixel ends.
+  // Centre of the covered area, half way from the edge to the pixel border.
   const double far_side = -0.5 * (std::abs(out.x) + std::abs(out.y)), middle = 0.5 * (inside + far_side);
   const auto shown = met(mx + middle * out.x, my + middle * out.y);
   p.z = static_cast<float>(shown ? shown->t : last.t);
@@ -178,7 +178,7 @@ std::vector<SilhouettePixel> WindowSilhouette::pixels() {
       if (beside_edge(x, y))
         if (auto p = crossed(x, y)) rows[row].emplace_back(at(x, y), *p);
   });
-  // The band: whichever crossed pixel is nearest.
+  // The band: each pixel takes the nearest crossed pixel.
   std::vector<float> nearest(count, 1e9f);
   std::vector<uint32_t> own(count, UINT32_MAX), beside(count, UINT32_MAX);
   std::vector<SilhouettePixel> edge;

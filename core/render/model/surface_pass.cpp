@@ -13,10 +13,10 @@ namespace vitrine {
 namespace {
 
 constexpr uint64_t kChoiceStream = 0x5f01;
-constexpr uint32_t kTile = 8;  // pixels; inside a tile the order is Morton's
+constexpr uint32_t kTile = 8;  // pixels; Morton order inside a tile
 constexpr size_t kSurfaceGrain = 512;
 
-// Bits 0, 2, 4 and 1, 3, 5 of a tile's counter.
+// De-interleaves bits 0, 2, 4 and 1, 3, 5 of a tile's Morton index.
 constexpr uint32_t tile_x(uint32_t i) { return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4); }
 constexpr uint32_t tile_y(uint32_t i) { return tile_x(i >> 1); }
 

@@ -15,16 +15,16 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kOffSurface = 2e-5f;  // scene units: a leg's own surface is not met again
+constexpr float kOffSurface = 2e-5f;  // scene units: ray offset against self-intersection
 constexpr float kTolerance_rel = 0.01f, kToleranceVoxels = 3;
-constexpr int kSmoothing = 10;  // Taubin's passes: the steps of the voxels are in the normals of a mesh
+constexpr int kSmoothing = 10;  // Taubin passes: they remove voxel steps from the normals of a mesh
 constexpr int kMostSurfaces = 32;
 constexpr double kSolidEdge_rel = 0.02;  // of a shape's size: edges of its mesh
 constexpr Vec3f kProbes[] = {{0.31f, 0.17f, 0.94f},
                              {-0.88f, 0.38f, 0.29f},
                              {0.23f, -0.92f, 0.32f},
                              {0.64f, 0.61f, -0.47f},
-                             {-0.41f, -0.36f, -0.84f}};  // unit to a percent; along no axis, where meshes have their edges
+                             {-0.41f, -0.36f, -0.84f}};  // unit to a percent; not axis-aligned, since mesh edges are
 
 TriMesh with_normals(TriMesh mesh) {
   mesh.normals = vertex_normals(mesh);
@@ -58,7 +58,7 @@ BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface
   };
   Vec3f origin = eye, d = direction;
   float near = 0;
-  int depth = 0;  // shells that the ray is in
+  int depth = 0;  // number of nested meshes around the ray
   for (int surfaces = 0; surfaces < kMostSurfaces; ++surfaces) {
     const auto hit = hits_.first_hit(origin, d, near);
     if (!hit) {
@@ -68,16 +68,16 @@ BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface
     }
     near = hit->t + kOffSurface;
     const bool leaves = hit->from_inside;
-    // A back outside of all glass is rounding at a grazing exit, or the rim of a hole: nothing to bend at.
+    // An exit outside all glass is rounding at a grazing exit, or the rim of a hole: no refraction.
     if (leaves && depth == 0) continue;
-    if (depth != (leaves ? 1 : 0)) {  // a shell in the glass
+    if (depth != (leaves ? 1 : 0)) {  // a mesh nested in the glass
       depth += leaves ? -1 : 1;
       continue;
     }
     const Vec3f point = origin + hit->t * d;
     const float side = leaves ? -1.f : 1.f;
     Vec3f n = side * normal_at(hit->face, point);
-    if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an silhouette
+    if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth normal faces away where the mesh does not: a silhouette
     Vec3f bent;
     float passed = 1;
     if (refract(d, n, leaves ? ior_ : 1 / ior_, bent)) {

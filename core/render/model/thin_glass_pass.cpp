@@ -11,7 +11,7 @@ void BehindGlass::clear() {
   path.clear();
 }
 
-// What stands behind sheets is the picture of everything but the glass.
+// Behind known thin glass, uses the picture of the scene without glass.
 void ThinGlassPass::take_drawn(Frame& frame) const {
   BehindGlass& behind = frame.behind;
   const auto color = frame.diffuse.plane(Aov::Color);
@@ -40,7 +40,7 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   if (options.thick) bent_.forward(options, frame.opened.surfels, frame);
 }
 
-// With known sheets the diffuse pass has drawn it already.
+// With known thin glass the diffuse pass has already rendered it.
 void ThinGlassPass::draw(const SplatScene& scene, Frame& frame) {
   BehindGlass& behind = frame.behind;
   without_glass(scene, opened_degrees(scene, frame.options), frame.opened);

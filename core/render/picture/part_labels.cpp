@@ -15,13 +15,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLeastSeen = 0.5;   // pixels, summed over the photos: less was hidden
-constexpr double kUndecided = 0.25;  // labelled share of a surfel's pixels: not so far from a half, and its place decides
-constexpr double kHullShare = 0.8;   // of the photos that have a place in the picture
-constexpr size_t kHullViews = 3;     // and at least so many
-constexpr float kOffSurface = 0.5f;  // mean edges: rays to the cameras start this far from the mesh
+constexpr double kLeastSeen = 0.5;   // pixels, summed over the photos: below it, the part counts as occluded
+constexpr double kUndecided = 0.25;  // labelled share of a surfel's pixels: within this distance of one half, its position
+                                     // decides
+constexpr double kHullShare = 0.8;   // of the photos whose frustum contains a position
+constexpr size_t kHullViews = 3;     // minimum number of such photos
+constexpr float kOffSurface = 0.5f;  // mean edges: offset of rays to the cameras from the mesh
 constexpr size_t kLabelGrain = 256;
-constexpr size_t kAtOnce = 3;  // labels in the colours of one picture
+constexpr size_t kAtOnce = 3;  // number of labels rendered at once, one per colour channel
 
 Vec3d mean_place(const SplatLayer& layer, size_t i) {
   const float* m = layer.at(Attribute::Mean, i);
@@ -62,7 +63,7 @@ std::vector<uint16_t> labels_in(std::span<const LabelledView> views) {
   return out;
 }
 
-// Few labels with their counts.
+// Vote counts of a few labels.
 class Votes {
  public:
   explicit Votes(std::span<const uint16_t> labels) : labels_(labels), counts_(labels.size()) {}
@@ -72,11 +73,11 @@ class Votes {
   }
   double all() const { return all_; }
   double labelled() const { return std::accumulate(counts_.begin(), counts_.end(), 0.0) / std::max(all_, 1e-9); }  // share
-  // 0 unless labels have more than half.
+  // The label with the most votes; 0 unless labels have more than half of all votes.
   uint16_t winner() const {
     return labelled() > 0.5 ? labels_[size_t(std::ranges::max_element(counts_) - counts_.begin())] : uint16_t(0);
   }
-  // 0 unless its own share is at least that.
+  // The label with the most votes; 0 unless its share is at least `share`.
   uint16_t agreed(double share) const {
     const auto most = std::ranges::max_element(counts_);
     return most != counts_.end() && *most >= share * all_ ? labels_[size_t(most - counts_.begin())] : uint16_t(0);
@@ -102,7 +103,7 @@ SplatLayer grey_surfels(const SplatLayer& layer) {
   return out;
 }
 
-// Blending weights by label: the gradient of the blended colour with respect to the colours of the surfels.
+// Blending weights per label: the gradient of the blended colour by the colours of the surfels.
 class SurfelWeights {
  public:
   SurfelWeights(const SplatLayer& layer, float near_z, std::span<const uint16_t> labels)

@@ -1,8 +1,7 @@
 // Assigns the parts of a scene (surfels, mesh vertices, unseen positions) to objects, from label images of its photos.
 //   surfel   n_l = sum of its blending weights over all pixels with label l, n_0 over unlabelled pixels. It belongs to the l
 //            with the largest n_l if sum_{l > 0} n_l > 3 n_0, to no object if that sum is below n_0 / 3; between them, at a
-// silhouette,
-//            its position decides.
+//            silhouette, its position decides.
 //   vertex   the label in most photos where the mesh does not occlude it, if more photos label it than not
 //   position the label that 80 % of the photos have whose frustum contains the position, with at least three photos: the
 //            visual hull. Also used for surfels and vertices that no photo sees.

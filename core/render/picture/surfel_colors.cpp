@@ -43,7 +43,7 @@ ImageF SurfelColors::picture(const View& view) {
 
 namespace {
 
-// Everything but the glass, with its albedo. Traced glass has no opaque surfels behind it.
+// The scene without glass, with its albedo. With Glass::Traced no opaque surfels are behind glass.
 SurfelColors behind_glass(const SplatScene& scene, const ImageOptions& image, const DecomposedMaterials& materials) {
   SplatScene parts{.diffuse = scene.diffuse, .transmittance = scene.transmittance};
   if (image.transmission.glass != Glass::Thin) parts.diffuse.resize(0);
@@ -59,7 +59,7 @@ SurfelColors behind_glass(const SplatScene& scene, const ImageOptions& image, co
 
 AlbedoPainter::AlbedoPainter(const SplatScene& scene, const ImageOptions& image, const DecomposedMaterials& materials) {
   const float near_z = image.diffuse.near_z;
-  const bool sheets = draws_sheets(image);  // whose surfels are not drawn
+  const bool sheets = draws_sheets(image);  // their surfels are not rendered
   if (materials.albedo_behind_glass.size() == scene.transmittance.size() && (sheets || scene.transmittance.size() > 0))
     behind_.emplace(behind_glass(scene, image, materials));
   if (behind_ && sheets) return;

@@ -1,9 +1,10 @@
 // Content seen through glass under another light (README 5). Opaque surfels of the diffuse layer get the light scattered by the
 // mesh at their position. Surfels of the transmittance layer get their albedo times the light that arrives through the panes,
 // with occlusion by the mesh behind glass; without an albedo their trained colours are scaled by the ratio of new to old light.
-// Both are rasterised together from the pixel's camera, since thin panes do not bend rays (core/render/model/thin_glass_pass.h). Mirrors
-// behind glass are shaded as surfaces. Rays bent by thick glass are traced through the same surfels (core/render/model/bent_rays.h);
-// mirrors look diffuse there. Scenes trained with Glass::Traced show the transmittance layer only.
+// Both are rasterised together from the pixel's camera, since thin panes do not bend rays (core/render/model/thin_glass_pass.h).
+// Mirrors behind glass are shaded as surfaces. Rays bent by thick glass are traced through the same surfels
+// (core/render/model/bent_rays.h); mirrors look diffuse there. Scenes trained with Glass::Traced show the transmittance layer
+// only.
 #pragma once
 
 #include <memory>
@@ -36,7 +37,7 @@ class GlassContent {
   // `origin`, `direction`: the straight ray behind the glass.
   Seen seen(uint32_t pixel, const Vec3f& origin, const Vec3f& direction) const;
   // The specular surface behind the glass, without its scattered light, which seen() contains; nullopt if there is none. `ray`:
-  // of the pixel.
+  // camera ray of the pixel.
   std::optional<ShownSurface> gloss(uint32_t pixel, const PixelRay<float>& ray) const;
 
  private:

@@ -172,7 +172,7 @@ std::optional<LightTransfer::Place> LightTransfer::place_of(const Vec3f& mean, c
     if (!place) continue;
     const Vec3f on_mesh = surface_->at(surface_->mesh().positions, *place),
                 outwards = normalized(surface_->at(surface_->mesh().normals, *place));
-    // In pits of the mesh the surfel lies in front of it, and its own normal is better.
+    // In concavities of the mesh the surfel lies in front of it, and its own normal is better.
     const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
     const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
     return Place{on_mesh + (above + lift) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards};

@@ -57,8 +57,8 @@ LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBle
   LitPlace out;
   out.normal = turned_to(squared_length(shown.normal) > 0 ? normalized(shown.normal) : ray.view, ray.view);
   out.place = out.on_mesh = ray.eye + shown.z * ray.direction_per_z;
-  // At silhouettes the blended normal mixes several surfaces; mirrors use the mesh normal instead, and their agreement is 1: a
-  // pure reflector would be black.
+  // At silhouettes the blended normal mixes several surfaces; mirrors use the mesh normal instead, and their normal consistency
+  // is 1: otherwise a pure reflector would be black.
   out.agreement = mirror ? 1 : normal_agreement(shown.normal, shown.alpha);
   Vec3f outwards = ray.view;
   // Walls of the surroundings are coarse and may lie in front of surfels, far in front in corners. Surfels seen through the front

@@ -1,5 +1,5 @@
-// Shading position and ray origin of a pixel (README 4). Surfels and mesh differ by about one edge length of the mesh; rays must
-// start clear of it.
+// Shading position and ray origin of a pixel (README 4). Surfels and mesh differ by about one edge length of the mesh; rays
+// must start outside that distance.
 #pragma once
 
 #include <span>
@@ -16,7 +16,7 @@ struct ShownSurface {
   PixelRay<float> ray;
   Vec3f normal{};  // sum of the blended normals; non-zero if there is a surface
   float alpha = 0, z = 0;
-  RelitMaterial material;  // lit_place() sets its agreement
+  RelitMaterial material;  // lit_place() sets its normal consistency
   bool behind_glass = false;
 };
 

@@ -1,4 +1,4 @@
-// A scene under one lighting. The outgoing radiance of every mesh vertex is computed once; rays look it up.
+// Scene under one lighting. The outgoing radiance of every mesh vertex is computed once; rays look it up.
 //   E(x) = sum of samples  L V n.l / pdf  (environment by its luminance, lamps)  +  light from the scene by cosine-weighted rays
 //   B(x) = reflectance E / pi                 radiance of the mesh as a diffuse surface, iterated for the bounces
 #pragma once
@@ -37,7 +37,8 @@ class LitScene {
   Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
   // Mean incident radiance over all directions at a point in free space, lamps included (algorithms 7.4).
   Vec3f fluence(const Vec3f& point, uint64_t stream, int samples) const;
-  // Irradiance / pi of one side of a patch in free space. `blocked(direction)`: additional occlusion, unknown to this scene.
+  // Irradiance / pi of one side of a patch in free space. `blocked(direction)`: additional occluders that this scene does not
+  // contain.
   using Blocked = std::function<bool(const Vec3f& direction)>;
   struct Patch {
     Vec3f point, normal;

@@ -1,7 +1,8 @@
 // BSDF of a relit pixel: scattering of light from l towards the eye v, in a frame whose z axis is the normal.
 //   f(v, l) = w_d albedo/pi + R(v.h) D G / (4 n.v n.l)      half vector h, GGX distribution D, Schlick-Smith G
 //   (core/render/model/kernels)
-// R and w_d are those of the training blend (core/render/model/kernels/layer_blend.h), with a normal agreement of 1 (algorithms 7.2):
+// R and w_d are those of the training blend (core/render/model/kernels/layer_blend.h), with a normal consistency of 1
+// (algorithms 7.2):
 //   rtrgs    R(c) = k_s F(c)                      w_d = 1 - k_s                    w_t = k_s tau (1 - F(n.v))
 //   layered  R(c) = k_s + (1 - k_s) g(k_s) F(c)   w_d = (1 - R(n.v)) (1 - tau)     w_t = (1 - R(n.v)) tau
 // Directions are sampled from a mixture of cosine-weighted directions and visible-normal reflections (spherical caps, Dupuy and
@@ -21,7 +22,7 @@ namespace vitrine {
 struct RelitMaterial {
   Vec3f albedo{}, f0{};
   float roughness = 1, specular = 0, transmission = 0;  // specular = k_s, transmission = tau
-  float agreement = 1;                                  // of the normals blended in a pixel (core/render/model/README.md 4)
+  float agreement = 1;  // consistency of the normals blended in a pixel (core/render/model/README.md 4)
 };
 
 // Weights of scattering, reflection and transmission at this cosine.

@@ -19,7 +19,7 @@ struct RelitScene {
   DecomposedMaterials materials;  // of trained.surfels
   Environment captured;           // the light of the photos
   TriMesh mesh;
-  TriMesh behind_glass;  // surfaces behind its glass, which `mesh` lacks; may be empty
+  TriMesh behind_glass;  // surfaces behind its glass, not part of `mesh`; may be empty
   TriMesh surroundings;  // walls, vertex colours = albedo; they occlude and reflect light; may be empty
 
   RelitMaterial material(size_t surfel) const {

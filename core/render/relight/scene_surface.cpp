@@ -79,7 +79,7 @@ void SceneSurface::take_materials(const RelitScene& scene) {
   const SplatLayer& surfels = scene.trained.surfels.diffuse;
   reflectance_ = colors_at_vertices(painted_layer(surfels, reflectance), mesh_, kReach * grain_, cast<float>(mean));
   std::ranges::copy(scene.surroundings.colors, reflectance_.begin() + static_cast<std::ptrdiff_t>(near_vertices_));
-  // Rounding of the weighted means may leave [0, 1].
+  // Weighted means may leave [0, 1] by rounding.
   for (Vec3f& r : reflectance_)
     for (size_t c = 0; c < 3; ++c) r[c] = std::clamp(r[c], 0.f, 1.f);
   if (!glass_) return;

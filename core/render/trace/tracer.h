@@ -1,7 +1,7 @@
-// Rays through one layer of surfels, forward and backward, behind one virtual call per pass: what the rasteriser is for pixels of
-// a pinhole camera, this is for rays of any origin and direction (reflected, transmitted, shadow). Back ends: "embree" (single
-// precision, threads) and "reference" (double, O(rays x surfels), the executable specification). Hits are composited in exact
-// order of (t, surfel index). README.md in this folder teaches the mathematics.
+// Ray tracer for one layer of surfels, forward and backward, with one virtual call per pass. It complements the rasteriser,
+// which renders the pixels of a pinhole camera, with rays of any origin and direction (reflected, transmitted, shadow). Back
+// ends: "embree" (single precision, threads) and "reference" (double, O(rays x surfels), the executable specification). Hits
+// are composited in exact order of (t, surfel index). README.md in this folder derives the mathematics.
 //
 //   alpha_i = min(0.99, opacity exp(-(u^2+v^2)/2)), dropped below 1/255;  w_i = alpha_i T_i while T_i >= min_transmittance
 //   color = sum w c(direction)   distance = sum w t   normal = sum w n   transmittance = product of (1 - alpha)
@@ -20,35 +20,35 @@
 
 namespace vitrine {
 
-// Views of the caller's arrays, which must live until the call returns. A span may be empty where a default is named.
+// Views of the caller's arrays, which must live until the call returns. Spans with a stated default may be empty.
 struct RayBatch {
   std::span<const Vec3f> origins;     // [n]
   std::span<const Vec3f> directions;  // [n], unit
-  std::span<const float> near = {};   // [n], a hit counts when near < t <= far; empty: 0
+  std::span<const float> near = {};   // [n], a hit counts if near < t <= far; empty: 0
   std::span<const float> far = {};    // [n]; empty: infinity
   size_t size() const { return origins.size(); }
 };
 
 struct TraceDesc {
   int sh_degree = 3;  // used for colour; at most the layer's
-  // A hit is blended iff the transmittance in front of it is at least this. The rasteriser's is 1e-4; what is behind adds at
-  // most this much.
+  // A hit is blended iff the transmittance in front of it is at least this; later hits add at most this much. The rasteriser's
+  // value is 1e-4.
   float min_transmittance = 1e-3f;
-  float first_hit_weight = 0.1f;  // the first hit is where the summed weight reaches this
+  float first_hit_weight = 0.1f;  // the first hit is the one where the summed weight reaches this
 };
 
-// Per ray; resized by forward(). As a gradient, a vector may be empty and then counts as zero.
+// Per ray; resized by forward(). As a gradient, an empty vector counts as zero.
 struct RayValues {
-  std::vector<Vec3f> color;          // linear, nothing behind the last hit: add transmittance * background
+  std::vector<Vec3f> color;          // linear, without background: add transmittance * background
   std::vector<float> transmittance;  // behind the last blended hit; 1 - sum of weights
   std::vector<float> distance;       // sum of w t: divide by (1 - transmittance) for the mean
-  std::vector<float> first_hit;      // t of the hit where the summed weight reaches first_hit_weight; 0 when it never does
+  std::vector<float> first_hit;      // t of the hit where the summed weight reaches first_hit_weight; 0 if it does not
   std::vector<Vec3f> normal;         // sum of w n, n facing the ray's origin; world space, not normalised
   void resize(size_t rays);
 };
 
-// What forward() leaves for backward(): the blended hits of every ray, front to back. Rays stand in chunks in an order of the
-// tracer's choice. Reuse the object from step to step and its memory is reused.
+// Output of forward() for backward(): the blended hits of every ray, front to back. The tracer reorders rays and splits them
+// into chunks. Reuse the object between steps to reuse its memory.
 struct TraceHit {
   uint32_t surfel;
   float t;
@@ -69,10 +69,10 @@ struct HitLists {
 
 struct TraceBackwardInput {
   const RayValues* gradients = nullptr;  // dL/d(output of forward)
-  std::span<const float> error = {};     // [n] or empty: what the hit surfels are to be blamed for
+  std::span<const float> error = {};     // [n] or empty: per-ray error, distributed to the hit surfels
 };
 
-// Per ray; overwritten by backward(). Leave `wanted` false to save the time.
+// Per ray; overwritten by backward(). `wanted` = false skips the computation.
 struct RayGradients {
   std::vector<Vec3f> origins, directions;  // directions: as three free coordinates; project if they are normalised
 };
@@ -80,9 +80,9 @@ struct RayGradients {
 class Tracer {
  public:
   virtual ~Tracer() = default;
-  // Takes in the surfels of `layer`, which must outlive the calls below and not change before the next build().
+  // Builds the acceleration structure of `layer`, which must outlive the calls below and not change before the next build().
   virtual void build(const SplatLayer& layer) = 0;
-  // `hits` may be null when no backward pass follows.
+  // `hits` may be null if no backward pass follows.
   virtual void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const = 0;
   // Adds to `grad` (same shape as the layer, raw values) and, if given, to `statistics`; writes `ray_gradients` if given. Same
   // rays, desc and hits as forward(). Statistics: screen_gradient is the norm of the mean's gradient times t/2 (Xie et al.

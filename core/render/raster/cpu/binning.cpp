@@ -12,15 +12,15 @@ namespace vitrine::cpu {
 namespace {
 
 constexpr size_t kChunk = 2048;        // surfels
-constexpr size_t kPrefetchAhead = 12;  // sorted order jumps about in memory
+constexpr size_t kPrefetchAhead = 12;  // sorted order accesses memory randomly
 constexpr int kDigitBits = 11;
 constexpr uint32_t kDigits = 1u << kDigitBits;
-// Two digits of a positive float: exponent and 14 bits of mantissa. The block lists make the order exact.
+// Two radix digits of a positive float: exponent and 14 bits of mantissa. The block lists make the order exact.
 constexpr std::array<int, 2> kShifts{9, 20};
 
 float clamp_to(float x, float low, float high) { return std::min(std::max(x, low), high); }
 
-// The test of pass_lists.h on one rectangle of pixel centres [left, left + side] x [top, top + side].
+// The test of pass_lists.h for one rectangle of pixel centres [left, left + side] x [top, top + side].
 bool hits_rectangle(const SplatBounds& b, float left, float top, float side) {
   const float x_lo = left - b.ex, y_lo = top - b.ey, x_hi = x_lo + side, y_hi = y_lo + side;
   const float x_near = clamp_to(0.f, x_lo, x_hi), y_near = clamp_to(0.f, y_lo, y_hi);

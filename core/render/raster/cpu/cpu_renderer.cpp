@@ -21,7 +21,7 @@ using namespace cpu;
 static_assert(kMaxFeatureSlots == kMaxFeatures);
 
 constexpr size_t kProjectChunk = 512;    // surfels
-constexpr size_t kGradientBatches = 16;  // SIMD batches to a task
+constexpr size_t kGradientBatches = 16;  // SIMD batches per task
 
 struct ThreadScratch {
   PlainArray<RasterSplat> local;
@@ -30,7 +30,7 @@ struct ThreadScratch {
   PlainArray<unsigned char> slots;
 };
 
-struct TileLists {  // what forward keeps of a tile
+struct TileLists {  // per-tile state kept by forward
   std::vector<uint32_t> seen;
   std::array<uint32_t, kBlocks + 1> offset{};
   std::array<uint32_t, 2> fragments{};
@@ -76,7 +76,7 @@ PassView pass_view(const RasterDesc& desc, const SplatLayer& layer) {
   return v;
 }
 
-// Planes that are not there are null. Their size is the caller's, that of the last forward().
+// Missing planes are null. Their size must be that of the last forward().
 template <class Images>
 auto planes_of(Images& images, size_t features) {
   using Plane = decltype(images.plane(Aov::Color).data());

@@ -1,4 +1,4 @@
-// Renderer "reference": double, O(pixels x surfels). For tests, benchmarks' checks and for bisecting a wrong picture.
+// Renderer "reference": double, O(pixels x surfels). For tests, benchmark checks and debugging.
 #include "core/render/raster/renderer.h"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace reference;
 
-// Visits every scalar of a pixel beside the plane entry it belongs to.
+// Visits every scalar of a pixel together with its plane entry.
 template <class Pixel, class Images, class Visit>
 void visit_planes(Pixel& pixel, Images& images, const RasterDesc& desc, size_t at, Visit visit) {
   const size_t stride = static_cast<size_t>(images.width) * static_cast<size_t>(images.height);

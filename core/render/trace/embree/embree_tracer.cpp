@@ -39,7 +39,7 @@ class EmbreeTracer final : public Tracer {
     return dot(n, direction) > 0.f ? -n : n;
   }
 
-  struct Reverse;  // what all rays of a reverse pass share
+  struct Reverse;  // shared by all rays of a reverse pass
   void chunk_records(const Reverse& pass, size_t chunk, size_t first_place, RecordBuckets& buckets) const;
   void bucket_gradients(const Reverse& pass, size_t bucket, size_t first_place, const RecordBuckets& buckets) const;
 
@@ -251,7 +251,7 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
   const Reverse pass{rays, desc, hits, input, grad, ray_gradients, statistics};
   RecordBuckets buckets;
   for (size_t begin = 0, end = 0; begin < hits.chunks.size(); begin = end) {
-    // At least one chunk; a chunk that is larger than a batch is a batch.
+    // At least one chunk; a chunk larger than a batch forms its own batch.
     size_t records = hits.chunks[end++].hits.size();
     while (end < hits.chunks.size() && records + hits.chunks[end].hits.size() <= kMaxRecords)
       records += hits.chunks[end++].hits.size();

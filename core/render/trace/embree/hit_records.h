@@ -1,6 +1,6 @@
-// What the reverse pass knows of one hit, on its way from the rays to the surfels. Rays write records into buckets of
-// neighbouring surfels, at places that were counted beforehand; buckets are then summed one by one, each in the order of the
-// rays. No two threads ever add to the same number, and the sums do not depend on how many there are.
+// Scatter buffer of the reverse pass: one record per hit, bucketed by surfel. Rays write records into buckets of neighbouring
+// surfels, at offsets counted beforehand; buckets are then summed one by one, each in the order of the rays. No two threads add
+// to the same number, and the sums do not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace vitrine::embree {
 
 struct alignas(64) HitRecord {
   uint32_t place;  // of the surfel in the tree's arrays
-  uint32_t ray;    // of the batch; the top three bits say which colour channels are positive
+  uint32_t ray;    // of the batch; the top three bits flag the positive colour channels
   float weight, t;
   HitMoments<float> moments;
 };
@@ -23,10 +23,9 @@ class RecordBuckets {
  public:
   static constexpr size_t kBuckets = 256;
 
-  // Makes room for the hits of chunks [begin, end) of `hits`.
-  // `place_of` by surfel.
+  // Reserves space for the hits of chunks [begin, end) of `hits`. `place_of` is indexed by surfel.
   void count(const HitLists& hits, size_t begin, size_t end, std::span<const uint32_t> place_of);
-  // Where the records of a chunk go, one cursor per bucket; advance them as they are written.
+  // Write positions of a chunk, one cursor per bucket; advance them after each record.
   uint32_t* cursors(size_t chunk) { return offsets_.data() + (chunk - first_chunk_) * kBuckets; }
   HitRecord& at(uint32_t cursor) { return records_[cursor]; }
   size_t bucket_of(uint32_t place) const { return place / per_bucket_; }

@@ -1,4 +1,4 @@
-// Order along a space-filling curve, for what should be near in memory or in time when it is near in space.
+// Morton order (space-filling curve): points near in space get near positions in memory or in time.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace vitrine::embree {
 
-// Cells of a cube grid of 2^bits per axis around a set of points; what is not finite lies in the first.
+// Cells of a cube grid of 2^bits per axis around a set of points; points that are not finite are in the first cell.
 class MortonGrid {
  public:
   MortonGrid(std::span<const Vec3f> points, int bits) : cells_(static_cast<float>(1 << bits)) {
@@ -35,7 +35,7 @@ class MortonGrid {
   }
 
  private:
-  // Bits of a ten-bit number, two apart.
+  // Spreads the bits of a ten-bit number, with two zero bits in between.
   static uint32_t spread(uint32_t x) {
     x = (x | x << 16) & 0x030000ff;
     x = (x | x << 8) & 0x0300f00f;

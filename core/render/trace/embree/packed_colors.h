@@ -1,5 +1,5 @@
-// Spherical harmonics of a layer laid out for rays: red, green and blue coefficients one after the other, padded to fours, so
-// that the colour of a hit is three short dot products with the basis of its ray, and degree 3 fills three cache lines exactly.
+// Spherical harmonics of a layer in a layout for rays: red, green and blue coefficients consecutively, padded to fours, so that
+// the colour of a hit is three short dot products with the basis of its ray, and degree 3 fills three cache lines exactly.
 #pragma once
 
 #include <immintrin.h>
@@ -20,7 +20,7 @@ inline constexpr size_t kMaxFours = kMaxShCoefficients / 4;
 constexpr size_t fours(int degree) { return (sh_coefficient_count(degree) + 3) / 4; }
 
 struct RayBasis {
-  F4 y[kMaxFours];  // zero behind the last coefficient
+  F4 y[kMaxFours];  // zero after the last coefficient
   size_t count;     // of fours in use
 };
 
@@ -35,7 +35,7 @@ inline RayBasis ray_basis(int degree, const Vec3f& direction) {
 
 class PackedColors {
  public:
-  // The colours of surfel order[place] stand at `place`.
+  // Stores the colours of surfel order[place] at `place`.
   void build(const SplatLayer& layer, std::span<const uint32_t> order) {
     stride_ = fours(layer.sh_degree());
     data_.resize(layer.size() * 3 * stride_);
@@ -56,7 +56,7 @@ class PackedColors {
   // Coefficients of one channel.
   const F4* of(size_t place, size_t channel) const { return data_.data() + (3 * place + channel) * stride_; }
 
-  // The colours of hits are far apart in memory: ask for them as soon as it is known which.
+  // The colours of hits are far apart in memory: prefetch them as soon as the hits are known.
   void prefetch(size_t place) const {
     const char *line = reinterpret_cast<const char*>(of(place, 0)), *end = reinterpret_cast<const char*>(of(place + 1, 0));
     for (; line < end; line += 64) __builtin_prefetch(line);

@@ -1,5 +1,5 @@
-// Eight floats in an AVX2 register, with the operators that the kernels ask of a scalar. Every lane is computed alike, so that a
-// hit's numbers do not depend on its neighbours.
+// SIMD type of eight floats in an AVX2 register, with the operators that the kernels require of a scalar. All lanes use the
+// same operations, so that the result of a hit does not depend on its neighbours.
 #pragma once
 
 #include <immintrin.h>
@@ -20,7 +20,7 @@ struct V8 {
   __m256 v;
   V8() : v(_mm256_setzero_ps()) {}
   V8(__m256 x) : v(x) {}                 // NOLINT
-  V8(float x) : v(_mm256_set1_ps(x)) {}  // NOLINT: constants broadcast silently on purpose
+  V8(float x) : v(_mm256_set1_ps(x)) {}  // NOLINT: implicit broadcast of constants is intended
   friend V8 operator+(V8 a, V8 b) { return _mm256_add_ps(a.v, b.v); }
   friend V8 operator-(V8 a, V8 b) { return _mm256_sub_ps(a.v, b.v); }
   friend V8 operator*(V8 a, V8 b) { return _mm256_mul_ps(a.v, b.v); }
@@ -33,7 +33,7 @@ struct V8 {
 VITRINE_INLINE V8 select(M8 m, V8 a, V8 b) { return _mm256_blendv_ps(b.v, a.v, m.m); }
 VITRINE_INLINE V8 sqrt(V8 x) { return _mm256_sqrt_ps(x.v); }
 
-// exp(-rho/2): a power of two and a polynomial for the rest, within 2e-7 of the value; 0 far out.
+// exp(-rho/2): a power of two times a polynomial, within 2e-7 of the value; 0 for large rho.
 VITRINE_INLINE V8 gaussian(V8 rho) {
   constexpr float kToPowersOfTwo = -0.5f * 1.44269504088896341f;
   const V8 x = _mm256_max_ps((rho * V8(kToPowersOfTwo)).v, _mm256_set1_ps(-126.f));

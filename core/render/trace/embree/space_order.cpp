@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kChunk = 8192;  // items
 constexpr int kSurfelBits = 10;  // cells per axis: 1024
-constexpr int kOriginBits = 5;   // 32: rays of a cell share most of what they meet
+constexpr int kOriginBits = 5;   // 32: rays of a cell share most of their hits
 constexpr int kOctantBits = 3;   // of directions
 
 void invert(const std::vector<uint32_t>& order, std::vector<uint32_t>& place) {

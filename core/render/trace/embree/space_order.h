@@ -1,5 +1,5 @@
-// Surfels of a layer, and rays of a batch, along a space-filling curve: what is near in space is then near in memory, and looked
-// at at about the same time. Surfels that a ray meets one after another, and that neighbouring rays meet, share cache lines.
+// Spatial order (Morton) of the surfels of a layer and the rays of a batch, so that surfels near in space are near in memory
+// and are accessed at about the same time. Surfels hit consecutively by a ray, or by neighbouring rays, share cache lines.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SpaceOrder {
   void build(const SplatLayer& layer);
 };
 
-// Fills in the order of `lists`: rays that start in the same cell, then those of about the same direction.
+// Sorts the rays of `lists`: first by the cell of the origin, then by approximate direction.
 void order_rays(const RayBatch& rays, HitLists& lists);
 
 }  // namespace vitrine::embree

@@ -17,18 +17,18 @@ namespace vitrine::embree {
 namespace {
 
 constexpr size_t kPackChunk = 4096;  // surfels
-// Boxes are wider than the ellipse by this share of their distance from the origin, so that rounding in t, u and v never puts a
-// hit outside of its box; and by this share of the surfel's size.
+// Padding of the boxes: by this share of their distance from the origin, so that rounding in t, u and v never puts a hit
+// outside its box; and by this share of the surfel's size.
 constexpr float kPad = 4e-6f;
 constexpr uint32_t kLanes = 8;
-// The transmittance behind all hits so far is kept as a product in whatever order they came; within this it is that of the
-// sorted list.
+// Tolerance of the running transmittance, a product of the hits in arbitrary order, compared with the product of the sorted
+// list.
 constexpr float kProductSlack = 1.01f;
 
 }  // namespace
 
-// One ray on its way through the tree. Embree hands over surfels whose box the ray meets; they wait until there are eight, while
-// their records come from memory, and are then evaluated together.
+// State of one ray during traversal. Embree reports surfels whose box the ray hits; they are collected until there are eight,
+// while their records are prefetched, and then evaluated together.
 struct SurfelTree::Gathering : RTCIntersectContext {
   const SurfelTree* tree;
   TraceRay<float> ray;
@@ -73,8 +73,8 @@ struct SurfelTree::Gathering : RTCIntersectContext {
     behind_all *= 1.f - hit.alpha;
   }
 
-  // What lies behind the hit at which the transmittance falls below the least is never blended. Later hits only bring that end
-  // nearer, so that dropping it now is exact.
+  // Hits behind the one at which the transmittance falls below the minimum are never blended. Later hits only move that end
+  // closer, so dropping them now is exact.
   void cut() {
     float transmittance = 1.f;
     for (size_t i = 0; i < hits->size(); ++i) {
@@ -94,7 +94,7 @@ void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   // axis / |axis|^2 is s_u r0: the half axes of the ellipse rho = cut.
   const float cu = s.cut * s.var_u * s.var_u, cv = s.cut * s.var_v * s.var_v;
   RTCBounds& b = *args->bounds_o;
-  if (!(s.cut > 0.f)) {  // too transparent to show: an empty box is left out of the tree
+  if (!(s.cut > 0.f)) {  // too transparent to be visible: an empty box is left out of the tree
     b.lower_x = b.lower_y = b.lower_z = std::numeric_limits<float>::infinity();
     b.upper_x = b.upper_y = b.upper_z = -std::numeric_limits<float>::infinity();
     return;

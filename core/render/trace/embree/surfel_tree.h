@@ -1,5 +1,5 @@
-// The surfels of a layer in the form that rays want them, in an Embree tree of user geometry with the exact bounds of every
-// surfel's visible ellipse. gather() finds the hits of one ray; nothing about them depends on the shape of the tree.
+// Embree tree of the surfels of a layer: user geometry with the exact bounds of every surfel's visible ellipse. gather()
+// returns the hits of one ray; they do not depend on the shape of the tree.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ namespace vitrine::embree {
 
 struct alignas(64) PackedSurfel : RaySurfel<float> {};
 
-// A hit as gather() finds it.
+// A hit returned by gather().
 struct FoundHit {
   float t;
   uint32_t surfel;
@@ -30,7 +30,7 @@ struct FoundHit {
 class SurfelTree {
  public:
   void build(const SplatLayer& layer);
-  // All hits of the ray that can be blended: sorted by (t, surfel), ending where the transmittance has fallen below
+  // All hits of the ray that can be blended: sorted by (t, surfel), up to the one where the transmittance falls below
   // min_transmittance. `out` is reused.
   void gather(const TraceRay<float>& ray, float min_transmittance, std::vector<FoundHit>& out) const;
 

@@ -1,4 +1,4 @@
-// Front-to-back blending of the sorted hits of one ray, and its reverse (README 3, 4). Order is the caller's promise.
+// Front-to-back blending of the sorted hits of one ray, and its reverse (README 3, 4). The caller guarantees the order.
 //
 //   w_i = alpha_i T_i while T_i >= min_transmittance     V_i = c_i.g_color + t_i g_distance + n_i.g_normal
 //   dL/d alpha_i = T_i V_i - (sum_{j>i} w_j V_j + T_end g_transmittance)/(1 - alpha_i)
@@ -19,7 +19,7 @@ struct MarchValues {  // of one ray, or their gradients
   Vec3<T> normal{};
 };
 
-// Transmittance starts at one, all else at zero.
+// Transmittance starts at one, all other values at zero.
 template <class T>
 struct March {
   MarchValues<T> sum{.transmittance = T(1)};
@@ -44,7 +44,7 @@ struct BlendGrad {
   Vec3<T> color, normal;
 };
 
-// Called back to front. `behind` is sum_{j>i} w_j V_j + T_end g_transmittance, updated on return; `transmittance` is that in
+// Called back to front. `behind` is sum_{j>i} w_j V_j + T_end g_transmittance, updated on return; `transmittance` is the one in
 // front of the hit.
 template <class T>
 VITRINE_INLINE BlendGrad<T> blend_hit_vjp(const T& transmittance, const T& t, const T& alpha, const Vec3<T>& color,
@@ -72,8 +72,8 @@ Vec3<T> ray_color(int degree, const T* basis, const T* h) {
   return sum;
 }
 
-// Reverse, where `color` came out positive: grad_h[3 * k + c] += Y_k grad_c, and basis_weight[k] += grad.h_k, of which
-// sh_basis_vjp makes the gradient of the direction once per ray.
+// Reverse, where `color` is positive: grad_h[3 * k + c] += Y_k grad_c, and basis_weight[k] += grad.h_k, which sh_basis_vjp
+// converts to the gradient of the direction once per ray.
 template <class T>
 void ray_color_vjp(int degree, const T* basis, const T* h, const Vec3<T>& color, const Vec3<T>& grad_color, T* grad_h,
                    T* basis_weight) {

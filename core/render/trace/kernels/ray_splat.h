@@ -1,4 +1,4 @@
-// One surfel and one ray: where they meet, how much the surfel hides there, and the reverse (README 1, 2).
+// Intersection of one surfel and one ray, its alpha, and the reverse (README 1, 2).
 //
 //   t = n.(mean - o)/(n.d)   x = o + t d - mean   u = r0.x/s_u   v = r1.x/s_v
 //   alpha = min(0.99, opacity exp(-(u^2 + v^2)/2)), dropped below 1/255
@@ -11,7 +11,8 @@
 
 namespace vitrine {
 
-// |n.d| below this: the ray runs along the surfel, x is ill-conditioned and its gradient explodes; there is no hit.
+// Minimum |n.d| of a hit: for smaller values the ray is nearly parallel to the surfel, x is ill-conditioned and its gradient
+// explodes.
 inline constexpr double kGrazing = 1e-3;
 
 template <class T>
@@ -37,7 +38,7 @@ struct RayHit {
   T t{}, u{}, v{};
   T alpha{};
   Mask free{};    // below the clamp: gradients flow
-  Mask counts{};  // they meet between near and far, and the surfel hides at least 1/255
+  Mask counts{};  // the hit is between near and far, and alpha is at least 1/255
 };
 
 template <class T>
@@ -57,7 +58,7 @@ VITRINE_INLINE void place_hit(const RaySurfel<T>& s, const TraceRay<T>& ray, Ray
   hit.v = dot(s.axis_v, x);
 }
 
-// alpha is 0 where the hit does not count.
+// alpha is 0 if the hit does not count.
 template <class T>
 VITRINE_INLINE RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray) {
   RayHit<T> hit;
@@ -73,7 +74,7 @@ VITRINE_INLINE RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray
   return hit;
 }
 
-// Sums over the hits of one surfel, from which ray_surfel_vjp makes the gradients of its raw values.
+// Sums over the hits of one surfel; ray_surfel_vjp converts them to the gradients of its raw values.
 template <class T>
 struct HitMoments {
   T u{}, v{}, plane{};   // gradients of u and v, and of t over n.d
@@ -102,7 +103,7 @@ struct HitGrad {
   Vec3<T> origin, direction;
 };
 
-// `grad_normal` is that of the normal as stored (not flipped to face the ray).
+// `grad_normal` is the gradient of the normal as stored (not flipped to face the ray).
 template <class T>
 VITRINE_INLINE HitGrad<T> ray_splat_vjp(const RaySurfel<T>& s, const TraceRay<T>& ray, const RayHit<T>& hit, const T& grad_alpha,
                                         const T& grad_t, const Vec3<T>& grad_normal) {
@@ -132,7 +133,7 @@ struct RaySurfelGrad {
   T raw_opacity;
 };
 
-// Gradients of the raw values. Only the part of dL/d[r0 r1 n] that turns the frame is formed: a rotation has no other.
+// Gradients of the raw values. Only the rotational part of dL/d[r0 r1 n] is formed: a rotation has no other.
 template <class T>
 RaySurfelGrad<T> ray_surfel_vjp(const SurfelGeometry<T>& raw, const T& opacity, const HitMoments<T>& m) {
   using std::exp;

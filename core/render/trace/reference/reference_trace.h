@@ -1,5 +1,5 @@
-// The executable specification: every ray looks at every surfel, sorts what counts by (t, index) and blends. Templated on the
-// scalar so that the gradient tests can push Dual through the whole tracer.
+// Reference ray tracer (executable specification): every ray tests every surfel, sorts its hits by (t, index) and blends.
+// Templated on the scalar so that the gradient tests can evaluate the whole tracer with Dual.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct BlendedHit {
   bool first = false;
 };
 
-// The hits of one ray in exact order that are blended, with their weights, and the sums. `out` is reused.
+// The blended hits of one ray in exact order, with their weights, and the sums. `out` is reused.
 template <class T>
 MarchValues<T> trace_ray(const std::vector<TraceSurfel<T>>& surfels, const TraceRay<T>& ray, const MarchDesc<T>& desc,
                          std::vector<BlendedHit<T>>& out) {
@@ -101,7 +101,7 @@ RayGrad<T> trace_ray_vjp(const std::vector<TraceSurfel<T>>& surfels, const Trace
     out.origin += g.origin;
     out.direction += g.direction;
     ray_color_vjp(desc.sh_degree, basis, s.sh.data(), h.color, b.color, sum.sh.data(), basis_weight);
-    sum.screen -= T(0.5) * h.hit.t * g.origin;  // a hit moves with the surfel as it moves against the ray
+    sum.screen -= T(0.5) * h.hit.t * g.origin;  // moving the surfel by dx equals moving the ray origin by -dx
     const T w = h.transmittance * h.hit.alpha;
     sum.weight += w;
     sum.error += w * error;

@@ -1,4 +1,4 @@
-// Tracer "reference": double, O(rays x surfels), one thread. For tests, benchmarks' checks and for bisecting a wrong picture.
+// Tracer "reference": double, O(rays x surfels), one thread. For tests, benchmark checks and debugging.
 #include "core/render/trace/tracer.h"
 
 #include <numeric>
@@ -50,7 +50,7 @@ class ReferenceTracer final : public Tracer {
     }
   }
 
-  // Traces again in double: the lists are for those who want to look at hits.
+  // Traces again in double: the hit lists are not used.
   void backward(const RayBatch& rays, const TraceDesc& desc, const HitLists&, const TraceBackwardInput& input, SplatLayer& grad,
                 RayGradients* ray_gradients, SurfelStatistics* statistics) const override {
     VITRINE_CHECK(layer_ != nullptr && input.gradients != nullptr, "backward needs build, a forward pass and gradients");
