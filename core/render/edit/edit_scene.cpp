@@ -54,7 +54,7 @@ std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, c
 
 fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
 
-// The shell was smoothed from the mesh: each shell face follows its nearest mesh face.
+// The glass wall was smoothed from the mesh: each of its faces follows its nearest mesh face.
 std::shared_ptr<const ThickGlass> remaining(std::shared_ptr<const ThickGlass> glass, const TriMesh& mesh,
                                             const std::vector<uint8_t>& faces) {
   if (!glass || std::ranges::all_of(faces, [](uint8_t there) { return there != 0; })) return glass;
