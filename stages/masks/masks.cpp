@@ -17,15 +17,15 @@ namespace vitrine {
 namespace {
 
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
-MaskOrigin chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
-                         const std::vector<MarkedThing>& marked, bool network) {
-  if (config.of(kind).source != MaskOrigin::Auto) return config.of(kind).source;
+MaskSourceKind chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
+                             const std::vector<MarkedThing>& marked, bool network) {
+  if (config.of(kind).source != MaskSourceKind::Auto) return config.of(kind).source;
   if (std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); }))
-    return MaskOrigin::Boxes;
-  if (folder && folder->file_count(kind) > 0) return MaskOrigin::Files;
-  if (network && !config.onnx.channels_of(kind).empty()) return MaskOrigin::Onnx;
-  if (folder || !marked.empty() || network) return MaskOrigin::None;
-  return kind == MaskClass::Transparent || kind == MaskClass::Specular ? MaskOrigin::Proposed : MaskOrigin::None;
+    return MaskSourceKind::Boxes;
+  if (folder && folder->file_count(kind) > 0) return MaskSourceKind::Files;
+  if (network && !config.onnx.channels_of(kind).empty()) return MaskSourceKind::Onnx;
+  if (folder || !marked.empty() || network) return MaskSourceKind::None;
+  return kind == MaskClass::Transparent || kind == MaskClass::Specular ? MaskSourceKind::Proposed : MaskSourceKind::None;
 }
 
 void tell_all_white(MaskClass kind, const MasksConfig& config, const PhotoMasks& masks, StageContext& context) {
@@ -105,10 +105,10 @@ void tell_unused_network(const MasksConfig& config, const fs::path& file, StageC
 
 std::string problem(const MasksConfig& c) {
   for (MaskClass kind : {MaskClass::Object, MaskClass::Ignore})
-    if (c.of(kind).source == MaskOrigin::Proposed)
+    if (c.of(kind).source == MaskSourceKind::Proposed)
       return fmt::format("masks.{}.source cannot be proposed: only glass and mirrors can be", name(kind));
   for (MaskClass kind : kMaskClasses)
-    if (c.of(kind).source == MaskOrigin::Onnx && c.onnx.channels_of(kind).empty())
+    if (c.of(kind).source == MaskSourceKind::Onnx && c.onnx.channels_of(kind).empty())
       return fmt::format("masks.{0}.source is onnx, and masks.onnx.{0} names none of the network's channels", name(kind));
   return c.onnx.problem();
 }
@@ -171,11 +171,11 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     if (files == 0) throw_no_mask_file(*path);
   }
   const std::optional<fs::path> network = context.optional_input("mask_network");
-  std::array<MaskOrigin, kMaskClassCount> chosen{};
+  std::array<MaskSourceKind, kMaskClassCount> chosen{};
   std::vector<MaskClass> from_network;
   for (MaskClass kind : kMaskClasses) {
     chosen[size_t(kind)] = chosen_source(kind, config, folder, marked, network.has_value());
-    if (chosen[size_t(kind)] == MaskOrigin::Onnx) from_network.push_back(kind);
+    if (chosen[size_t(kind)] == MaskSourceKind::Onnx) from_network.push_back(kind);
   }
   MaskSources sources;
   if (!from_network.empty())
@@ -186,14 +186,16 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   std::shared_ptr<const MarkedMasks> carried;
   std::array<std::unique_ptr<FileSource>, kMaskClassCount> from_files;
   for (MaskClass kind : kMaskClasses)
-    if (chosen[size_t(kind)] == MaskOrigin::Files) from_files[size_t(kind)] = file_source(kind, config, capture, folder, context);
-  leave_out_empty(from_files,
-                  std::ranges::any_of(chosen, [](MaskOrigin c) { return c != MaskOrigin::Files && c != MaskOrigin::None; }),
-                  context);
+    if (chosen[size_t(kind)] == MaskSourceKind::Files)
+      from_files[size_t(kind)] = file_source(kind, config, capture, folder, context);
+  leave_out_empty(
+      from_files,
+      std::ranges::any_of(chosen, [](MaskSourceKind c) { return c != MaskSourceKind::Files && c != MaskSourceKind::None; }),
+      context);
   for (MaskClass kind : kMaskClasses) {
-    const MaskOrigin source = chosen[size_t(kind)];
-    if (source == MaskOrigin::Files) sources[size_t(kind)] = std::move(from_files[size_t(kind)]);
-    if (source == MaskOrigin::Boxes) {
+    const MaskSourceKind source = chosen[size_t(kind)];
+    if (source == MaskSourceKind::Files) sources[size_t(kind)] = std::move(from_files[size_t(kind)]);
+    if (source == MaskSourceKind::Boxes) {
       if (marked.empty())
         throw Error(
             ErrorKind::Usage, fmt::format("masks.{}.source is 'boxes', and nothing is marked", name(kind)),
@@ -204,7 +206,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
         });
       sources[size_t(kind)] = std::make_unique<MarkedSource>(carried, kind);
     }
-    if (source != MaskOrigin::Proposed) continue;
+    if (source != MaskSourceKind::Proposed) continue;
     if (!proposal) {
       const Timer timer;
       proposal = propose(config.proposed, capture, [&](double f) {

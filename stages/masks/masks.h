@@ -12,11 +12,11 @@
 
 namespace vitrine {
 
-enum class MaskOrigin { Auto, Files, Boxes, Onnx, Proposed, None };
+enum class MaskSourceKind { Auto, Files, Boxes, Onnx, Proposed, None };
 enum class MaskFrame { Auto, Photo, Undistorted };  // what mask files were drawn on; Auto: found by their size
 
 struct MaskClassConfig {
-  MaskOrigin source = MaskOrigin::Auto;
+  MaskSourceKind source = MaskSourceKind::Auto;
   MaskPolarity polarity = MaskPolarity::Auto;
 };
 void describe(Describer& d, MaskClassConfig& c);

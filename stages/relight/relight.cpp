@@ -11,7 +11,6 @@
 #include "core/scene/image/contact_sheet.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/render/relight/exposure.h"
 #include "core/render/relight/relit_painter.h"
 #include "stages/relight/turntable.h"
 

@@ -2,6 +2,7 @@
 // passes; within a pass all features find the poses, since there its surroundings stand still with it.
 #pragma once
 
+#include "stages/sfm/normalize.h"
 #include "stages/sfm/passes.h"
 #include "stages/stage.h"
 

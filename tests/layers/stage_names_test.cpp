@@ -84,7 +84,7 @@ TEST(StageNames, AreFoundInLiteralsAndNotInComments) {
   const std::set<std::string> stages = stage_names();
   ASSERT_GE(stages.size(), 14u);
   const char* source = R"(f("mesh"); g("sfm/report.json", "optimize.iterations=3"); // "relight"
-                          h("meshes", "a mesh", "refine: it", "\"export\""); #include "core/scene/surfels/surfels/mesh/x.h")";
+                          h("meshes", "a mesh", "refine: it", "\"export\""); #include "core/mesh/x.h")";
   EXPECT_EQ(named_in(source, stages), (std::set<std::string>{"mesh", "sfm", "optimize"}));
 }
 

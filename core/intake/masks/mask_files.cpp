@@ -10,8 +10,8 @@
 #include "core/foundation/base/inside.h"
 #include "core/foundation/base/utf8.h"
 #include "core/foundation/config/json_file.h"
-#include "core/intake/masks/mask_classes.h"
 #include "core/foundation/config/photo_name_finder.h"
+#include "core/intake/masks/mask_classes.h"
 #include "core/intake/photos/photo_files.h"
 
 namespace vitrine {

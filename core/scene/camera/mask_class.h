@@ -13,10 +13,8 @@ inline constexpr size_t kMaskClassCount = 4;
 inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
                                                                      MaskClass::Specular, MaskClass::Ignore};
 
-constexpr std::string_view name(MaskClass kind) {
-  constexpr std::string_view names[] = {"object", "transparent", "specular", "ignore"};
-  return names[static_cast<size_t>(kind)];
-}
+inline constexpr std::array<std::string_view, kMaskClassCount> kMaskClassWords{"object", "transparent", "specular", "ignore"};
+inline std::string_view name(MaskClass kind) { return kMaskClassWords[static_cast<size_t>(kind)]; }
 
 // By lower-case name.
 inline std::optional<MaskClass> mask_class(std::string_view word) {

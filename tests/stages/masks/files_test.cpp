@@ -191,7 +191,8 @@ TEST_F(Files, SoftValuesAreKept) {
 TEST_F(Files, WithoutMasksTheArtifactIsEmptyAndValid) {
   RecordingContext context({{"sfm", sfm()}});
   MasksConfig config;
-  for (MaskClassConfig* c : {&config.object, &config.transparent, &config.specular, &config.ignore}) c->source = MaskOrigin::None;
+  for (MaskClassConfig* c : {&config.object, &config.transparent, &config.specular, &config.ignore})
+    c->source = MaskSourceKind::None;
   run_masks(config, context);
   read_json_file(context.output() / "masks/report.json", "report", [](const nlohmann::json& j) {
     EXPECT_EQ(j.at("photos"), 3);
@@ -244,7 +245,7 @@ TEST_F(Files, RefusesWhatCannotBeRight) {
 TEST_F(Files, ASourceWithoutFilesIsAUsageError) {
   RecordingContext context({{"sfm", sfm()}});
   MasksConfig config;
-  config.object.source = MaskOrigin::Files;
+  config.object.source = MaskSourceKind::Files;
   const Error e = error_of([&] { run_masks(config, context); });
   EXPECT_EQ(e.kind(), ErrorKind::Usage);
   EXPECT_NE(e.detail().hint.find("--masks"), std::string::npos);
