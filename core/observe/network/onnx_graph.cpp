@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-// Tried one by one on OpenCV 4.6 against the values of the program that wrote them. Not among them, although its importer takes
+// Each operator was tested on OpenCV 4.6 against the output of the exporting program. Excluded although the importer accepts
 // them: CumSum (crashes), attention made of MatMul and Softmax (wrong values), Clip with inputs, stand-alone BatchNormalization.
 constexpr std::array kKnownGood = {"Abs",         "Add",
                                    "ArgMax",      "AveragePool",
@@ -42,7 +42,7 @@ constexpr std::array kKnownGood = {"Abs",         "Add",
                                    "Tanh",        "Transpose",
                                    "Unsqueeze",   "Upsample"};
 
-// Protocol buffers, as far as walking through nested messages needs: https://protobuf.dev/programming-guides/encoding
+// Minimal protobuf reader for nested messages: https://protobuf.dev/programming-guides/encoding
 class Message {
  public:
   explicit Message(std::string_view bytes) : bytes_(bytes) {}
@@ -96,7 +96,7 @@ class Message {
 }  // namespace
 
 std::set<std::string> onnx_operators(std::string_view model, const std::string& where) {
-  constexpr uint64_t kGraph = 7, kNode = 1, kOperator = 4;  // of ModelProto, GraphProto, NodeProto
+  constexpr uint64_t kGraph = 7, kNode = 1, kOperator = 4;  // field numbers in ModelProto, GraphProto, NodeProto
   std::set<std::string> found;
   const bool whole = Message(model).each([&](uint64_t number, std::string_view graph) {
     return number != kGraph || Message(graph).each([&](uint64_t part, std::string_view node) {

@@ -1,5 +1,5 @@
-// What an ONNX file says of itself, read without running it: which operators its graph uses. OpenCV's importer crashes on some
-// operators and computes others wrongly without a word, so a network is taken only if all of its operators are known to be right.
+// Reads the operators of an ONNX graph without running it. OpenCV's importer crashes on some operators and computes others
+// wrongly without an error, so only networks whose operators are all known to be correct are accepted.
 #pragma once
 
 #include <set>
@@ -9,9 +9,9 @@
 
 namespace vitrine {
 
-// Operators of the graph. Throws Error{Input} naming `where` when the bytes are not a whole ONNX model with a graph.
+// Throws Error{Input} naming `where` when the bytes are not a complete ONNX model with a graph.
 std::set<std::string> onnx_operators(std::string_view model, const std::string& where);
-// Those that OpenCV 4.6 does not compute, or not rightly.
+// The operators that OpenCV 4.6 does not support or computes wrongly.
 std::vector<std::string> unsupported_operators(const std::set<std::string>& operators);
 
 }  // namespace vitrine

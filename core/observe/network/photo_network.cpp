@@ -14,7 +14,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSmallestAnswer = 8;  // pixels on a side: less is a code, not a picture
+constexpr int kSmallestAnswer = 8;  // pixels on a side: a smaller output is a feature vector, not a picture
 
 }  // namespace
 
@@ -114,7 +114,7 @@ NetworkOutput PhotoNetwork::run(const ImageF& srgb) {
   out.channels = out.planes ? shape[0] : shape[2];
   out.height = out.planes ? shape[1] : shape[0];
   out.width = out.planes ? shape[2] : shape[1];
-  // A network of another task, or one that shrinks the photo to a code, has some other shape.
+  // Networks for other tasks, or with a feature vector as output, have another shape.
   if (std::abs(double(out.width) * h - double(out.height) * w) > 2.0 * std::max(w, h) ||
       std::min(out.width, out.height) < kSmallestAnswer)
     s.refuse("the network's output does not have the photo's shape",

@@ -1,5 +1,5 @@
-// A network that looks at one photo and answers with a picture, run on the processor by OpenCV's dnn module (README.md): checked
-// before it is loaded, fed as declared, its answer checked before anyone reads it. No OpenCV header leaves photo_network.cpp.
+// Runs a network on one photo on the CPU with OpenCV's dnn module (README.md). The graph is checked before loading and the
+// output shape after each run. No OpenCV header is included outside photo_network.cpp.
 #pragma once
 
 #include <functional>
@@ -30,30 +30,30 @@ struct NetworkInput {
   std::vector<double> deviation{1, 1, 1};
   std::string sha256 = "";
 
-  // Size at which a photo of width x height goes in.
+  // Network input size for a photo of width x height.
   std::pair<int, int> size_of(int photo_width, int photo_height) const;
-  // What contradicts itself, in words that begin with `prefix` ("onnx."); empty when nothing does.
+  // Message about contradictory options, starting with `prefix` ("onnx."); empty when there are none.
   std::string problem(const std::string& prefix) const;
 };
-// Inside the describe() of the options that hold it: no group of its own.
+// Call inside the describe() of the enclosing options; adds no group of its own.
 void describe_input(Describer& d, NetworkInput& c);
 
 struct PhotoNetworkDesc {
   std::string where;  // the file, for messages
   NetworkInput input;
-  std::string options;     // where its options stand: "normals.onnx"
+  std::string options;     // option group of the network: "normals.onnx"
   std::string instead;     // what to do when OpenCV cannot run it: "use normals.source=files"
-  std::string unlike;      // message for an answer of another shape: "the network's output is no picture of normals" ...
-  std::string shape_hint;  // ... and its advice
-  std::function<bool(int channels)> fits;  // numbers of channels that the answer may have
+  std::string unlike;      // message for an output of the wrong shape: "the network's output is no picture of normals" ...
+  std::string shape_hint;  // ... and its hint
+  std::function<bool(int channels)> fits;  // accepts this number of output channels
 };
 
-// A picture of `channels` numbers a pixel.
+// Network output with `channels` values per pixel.
 struct NetworkOutput {
   int channels = 0, width = 0, height = 0;
   bool planes = true;  // [c,h,w]; else [h,w,c]
   std::vector<float> values{};
-  std::string shape{};  // as the network told it: "1 x 3 x 48 x 64"
+  std::string shape{};  // shape of the output tensor: "1 x 3 x 48 x 64"
 
   size_t pixel_count() const { return size_t(width) * size_t(height); }
   float at(size_t pixel, int channel) const {
@@ -63,13 +63,13 @@ struct NetworkOutput {
 
 class PhotoNetwork {
  public:
-  // `bytes` of an ONNX file. Throws Error{Input}: another digest than input.sha256, not ONNX, an operator that OpenCV does not
-  // compute rightly, a graph that it cannot take in.
+  // `bytes`: content of an ONNX file. Throws Error{Input}: the digest differs from input.sha256, not ONNX, an unsupported
+  // operator, a graph that OpenCV cannot load.
   PhotoNetwork(std::string_view bytes, PhotoNetworkDesc desc);
   ~PhotoNetwork();
 
-  // `srgb`: display-referred, of the size that input.size_of() says. Throws Error{Input} when the network cannot be run on it or
-  // its answer is of another shape than declared.
+  // `srgb`: display-referred, of the size input.size_of() returns. Throws Error{Input} when the network fails or its output
+  // shape differs from the declared one.
   NetworkOutput run(const ImageF& srgb);
   const std::string& sha256() const;
   const PhotoNetworkDesc& desc() const;

@@ -14,25 +14,25 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kPredictedAround = 3;  // pixels around the silhouette that are predicted, too: windows reach there
-constexpr int kWindow = 2;           // half side of the window whose mean error chooses a surface
-constexpr float kMostError = 3;      // of a pixel, in that mean
+constexpr int kPredictedAround = 3;  // margin in pixels around the silhouette that is also predicted, for the windows
+constexpr int kWindow = 2;           // half side of the window whose mean error selects the surface
+constexpr float kMostError = 3;      // per-pixel clamp in that mean
 constexpr size_t kMostPlanes = 3;
 constexpr size_t kFewestWitnesses = 2, kMostWitnesses = 15;
-constexpr size_t kMostMaps = 48;            // photos whose stereo is looked through
-constexpr double kOtherDepth = 0.04;        // relative: another surface
-constexpr double kTouches = 0.99;           // of the depth where a ray leaves the hull: what it stands on
+constexpr size_t kMostMaps = 48;            // number of photos whose depth maps are used
+constexpr double kOtherDepth = 0.04;        // relative depth difference of another surface
+constexpr double kTouches = 0.99;           // of the depth where a ray leaves the hull: includes the surface under the object
 constexpr float kPredictionNoise = 0.035f;  // sRGB, mean of the channels
-constexpr float kHalfPixel = 0.5f;          // predictions are misplaced by that
-constexpr double kThin = 0.3;               // of half the diagonal of a hull
-constexpr double kCutReach = 2;             // extents of a plane around its centre in which it cuts
-constexpr double kCutShare = 0.03;          // of all surfaces, at least, has a plane that things stand on
-constexpr double kOneSide = 0.95;           // of the cameras
+constexpr float kHalfPixel = 0.5f;          // misregistration of predictions
+constexpr double kThin = 0.3;               // of half the diagonal of the hull
+constexpr double kCutReach = 2;             // distance from a plane's centre, in its extents, within which it cuts the hull
+constexpr double kCutShare = 0.03;          // minimum share of all surfaces for a supporting plane
+constexpr double kOneSide = 0.95;           // share of the cameras on one side
 constexpr double kParallel = 0.95;          // cosine between normals
 
 using Colour = std::array<float, 3>;
 
-// One photo, and what other photos tell of what is behind a hull, or of all that it shows.
+// Background prediction for one photo, behind a visual hull or for the whole photo.
 class Behind {
  public:
   Behind(const Surroundings& scene, size_t index)
@@ -68,7 +68,7 @@ class Behind {
     return std::ranges::any_of(least_, [](float z) { return z > 0; });
   }
 
-  // Of every pixel that is asked, the choice that explains it and those around it best.
+  // For each requested pixel, the candidate with the lowest mean error in its window.
   Explanation best() const {
     const size_t pixels = least_.size();
     Explanation found{std::vector<float>(pixels, -1.f), std::vector<float>(pixels, -1.f), std::vector<float>(pixels, 0.f)};
@@ -86,11 +86,11 @@ class Behind {
   }
 
  private:
-  // [choice][h,w] z-depths, 0 = none: measured, planes from near to far, far background.
+  // [choice][h,w] z-depths, 0 = none: stereo surface, planes from near to far, far background.
   std::vector<std::vector<float>> choices() const {
     std::vector<std::vector<float>> depth(kMostPlanes + 2, std::vector<float>(least_.size(), 0.f));
     depth[0] = measured();
-    struct SeenPlane {  // in the camera's frame
+    struct SeenPlane {  // in the camera frame
       Vec3d normal, centre;
       double offset, reach;
       bool floor;
@@ -101,7 +101,7 @@ class Behind {
       const Vec3d normal = pose.rotation * plane.normal;
       planes.push_back({normal, pose * plane.centre, plane.offset + dot(normal, pose.translation), plane.reach(), plane.floor});
     }
-    std::vector<std::pair<double, bool>> hits;  // z, whether nothing is seen through it
+    std::vector<std::pair<double, bool>> hits;  // z, whether the plane is opaque (a floor)
     for (size_t i = 0; i < least_.size(); ++i) {
       if (least_[i] == 0) continue;
       const Vec3d ray = ray_of(i);
@@ -119,7 +119,7 @@ class Behind {
     return depth;
   }
 
-  // [h,w] of a choice; below 0: nobody knows.
+  // [h,w] errors of a choice; below 0: unknown.
   std::vector<float> errors(const std::vector<float>& depth) const {
     std::vector<Colour> colour(depth.size());
     std::vector<uint8_t> known(depth.size(), 0);
@@ -148,7 +148,7 @@ class Behind {
     return error;
   }
 
-  // Mean around a pixel of the errors that are known.
+  // Mean of the known errors in the window of a pixel.
   float mean_around(const std::vector<float>& error, int x, int y) const {
     float sum = 0, count = 0;
     for (int v = std::max(0, y - kWindow); v <= std::min(height_ - 1, y + kWindow); ++v)
@@ -162,7 +162,7 @@ class Behind {
     return photo_.view.intrinsics.ray(double(pixel % size_t(width_)) + 0.5, double(pixel / size_t(width_)) + 0.5);
   }
 
-  // The nearest surface behind the hull that stereo found from other photos.
+  // Nearest surface behind the hull in the depth maps of the other photos.
   std::vector<float> measured() const {
     std::vector<float> nearest(least_.size(), 0.f);
     const size_t stride = (nearest_.size() + kMostMaps - 1) / kMostMaps;
@@ -187,7 +187,7 @@ class Behind {
     return nearest;
   }
 
-  // Of the nearest photos that see a point past the hull and past what stands in front of it.
+  // Median over the nearest photos that see the point unoccluded by the hull or a stereo surface.
   std::optional<Colour> median_colour(const Vec3d& point) const {
     std::array<std::array<float, kMostWitnesses>, 3> seen{};
     size_t count = 0;
@@ -218,13 +218,13 @@ class Behind {
   const Surroundings& scene_;
   const VisualHull* hull_ = nullptr;
   std::span<const HullDepths> passed_;
-  double thin_ = 0;  // a hull that is passed by less may be wrong there: things do not end exactly where they stand
+  double thin_ = 0;  // tolerated path length through the hull, whose surface is inexact
   size_t index_;
   const EdgePhoto& photo_;
   Rigid world_from_cam_;
   int width_, height_;
-  std::vector<float> least_;     // [h,w] depth from which on something is behind; 0: nobody asks
-  std::vector<size_t> nearest_;  // photos by the distance of their cameras
+  std::vector<float> least_;     // [h,w] minimum background depth; 0: not requested
+  std::vector<size_t> nearest_;  // photo indices sorted by camera distance
 };
 
 }  // namespace
@@ -234,7 +234,8 @@ HullDepths hull_depths(const VisualHull& hull, const View& view) {
   HullDepths depths{std::vector<float>(pixels, 0.f), std::vector<float>(pixels, 0.f)};
   const VoxelGrid<uint8_t>& grid = hull.carved();
   const Bounds3& box = hull.bounds();
-  mask_of_rays(view, [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {  // z = 1 in the camera: t is the depth
+  // `direction` has z = 1 in the camera frame: t is the depth.
+  mask_of_rays(view, [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
     double begin = 0, end = 1e300;
     for (size_t a = 0; a < 3; ++a) {
       const double t = (box.low[a] - eye[a]) / direction[a], u = (box.high[a] - eye[a]) / direction[a];
@@ -284,7 +285,7 @@ std::vector<HalfSpace> sides_of_cameras(std::span<const ScenePlane> planes, std:
     if (above > kOneSide * double(views.size())) sides.push_back({-1.0 * plane.normal, -plane.offset});
     if (above < (1 - kOneSide) * double(views.size())) sides.push_back({plane.normal, plane.offset});
   }
-  // Beside a pedestal a thing may stand on the table: of planes that are nearly parallel the one that leaves the most.
+  // An object next to a pedestal may stand on the table: of nearly parallel planes, keep the one that leaves the most.
   std::vector<HalfSpace> widest;
   for (const HalfSpace& side : sides)
     if (std::ranges::none_of(sides, [&](const HalfSpace& other) {

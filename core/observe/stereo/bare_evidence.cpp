@@ -11,12 +11,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kMostSampled = 48;                     // photos, spread evenly: more know no more of a wall
-constexpr size_t kOthers = 12;                          // photos that a sample is compared with
-constexpr int kTile = 32;                               // pixels: the largest region
-constexpr float kRegionEdge = 0.02f;                    // of brightness, between regions
-constexpr float kMostDifference = 0.1f;                 // in brightness
-constexpr float kNobodySees = 0.06f, kInTheWay = 0.6f;  // as for unreliable pixels (extend_planes.cpp)
+constexpr size_t kMostSampled = 48;                     // photos, evenly spaced: more add no information about a wall
+constexpr size_t kOthers = 12;                          // photos to which a sample is compared
+constexpr int kTile = 32;                               // pixels: maximum region size
+constexpr float kRegionEdge = 0.02f;                    // brightness step between regions
+constexpr float kMostDifference = 0.1f;                 // clamp of the brightness difference
+constexpr float kNobodySees = 0.06f, kInTheWay = 0.6f;  // unseen, occluding: as for unreliable pixels (extend_planes.cpp)
 constexpr double kInFront = 0.06;                       // relative depth
 constexpr double kGrazing = 0.1;                        // cosine between ray and normal
 
@@ -48,7 +48,7 @@ BareEvidence::BareEvidence(std::span<const StereoPhoto> photos, std::span<const 
   for (size_t i = 0; i < used_.size(); i += stride) add_samples(used_[i], step);
 }
 
-// Regions of unreliable pixels: what hangs together without an edge, within a tile. [h*w]
+// Connected regions of unreliable pixels without an edge, within a tile. [h*w]
 std::vector<uint32_t> BareEvidence::regions_of(uint32_t photo) {
   const DepthMap& map = maps_[photo];
   const ImageF& luma = blurred_[photo];
@@ -84,7 +84,7 @@ std::vector<float> BareEvidence::by_region(const std::vector<float>& values) con
   return mean;
 }
 
-// At `point`, or infinitely far away in the direction of `point`.
+// Cost of a sample at `point`, or at infinity in the direction of `point`.
 float BareEvidence::cost_at(const Sample& s, const Vec3d& point, bool far) const {
   double difference = 0, seen = 0, in_the_way = 0;
   const size_t stride = std::max<size_t>(1, used_.size() / kOthers);
@@ -97,7 +97,7 @@ float BareEvidence::cost_at(const Sample& s, const Vec3d& point, bool far) const
     if (!at) continue;
     const DepthMap& map = maps_[v];
     if (const size_t i = map.index(int(at->x), int(at->y)); map.reliable(i)) {
-      if (far || p.z > (1 + kInFront) * double(map.zdepth[i])) continue;  // hidden there
+      if (far || p.z > (1 + kInFront) * double(map.zdepth[i])) continue;  // occluded there
       if (p.z < (1 - kInFront) * double(map.zdepth[i])) {
         in_the_way += 1;
         continue;
@@ -111,7 +111,7 @@ float BareEvidence::cost_at(const Sample& s, const Vec3d& point, bool far) const
   return (seen > 0 ? float(difference / seen) : kNobodySees) + kInTheWay * float(in_the_way / (in_the_way + seen + 0.5));
 }
 
-// z-depth of the plane; negative where a sample does not see it.
+// z-depth of the plane; negative where the sample's ray misses it or grazes it.
 double BareEvidence::depth(const ScenePlane& plane, const Sample& s) const {
   const double facing = dot(plane.normal, s.along), z = (plane.offset - dot(plane.normal, centres_[s.photo])) / facing;
   return z > photos_[s.photo].near_z && std::abs(facing) > kGrazing * length(s.along) ? z : -1;

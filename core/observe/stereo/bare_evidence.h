@@ -1,5 +1,5 @@
-// What photos say about a plane where they have no reliable depth (bare_walls.h): how much the brightness of their pixels differs
-// from that of other photos through the plane, as a mean over regions without edges, which belong to one surface or another.
+// Photometric cost of a plane in textureless pixels without reliable depth (bare_walls.h): brightness difference to other
+// photos warped through the plane, averaged over regions without edges, each of which shows one surface.
 #pragma once
 
 #include "core/observe/stereo/scene_planes.h"
@@ -8,27 +8,27 @@ namespace vitrine {
 
 class BareEvidence {
  public:
-  // A pixel every `step`, of 48 photos at most.
+  // Samples every `step`-th pixel, of at most 48 photos.
   BareEvidence(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, int step);
 
   size_t size() const { return samples_.size(); }
-  // [region] mean brightness that a plane leaves unexplained; as far as it reaches, if its extent is known. Or where all of it is
-  // infinitely far away.
+  // [region] mean brightness residual of a plane, within its reach() if its extent is known; far_costs(): of a background at
+  // infinity.
   std::vector<float> costs(const ScenePlane& plane) const;
   std::vector<float> far_costs() const;
-  // By how much a plane explains the regions better than `least` [region]; a sum over all samples.
+  // Reduction of the residual below `least` [region] by the plane; sum over all samples.
   double gain(const ScenePlane& plane, std::span<const float> least) const;
-  // How much worse each of `others` explains the regions that `plane` explains better than `least`, where photos can tell; the
-  // least of these sums.
+  // Smallest, over `others`, increase of the residual in the regions that `plane` explains better than `least`, where photos
+  // can see it.
   double refuted(std::span<const ScenePlane> others, const ScenePlane& plane, std::span<const float> least) const;
-  // Centre, extent and share of the regions that it explains better than `least`.
+  // Sets centre, extent and share of the plane from the regions that it explains better than `least`.
   void measure(ScenePlane& plane, std::span<const float> least) const;
 
  private:
   struct Sample {
     uint32_t photo, region;
     float value;
-    Vec3d along;  // world, of z-depth 1
+    Vec3d along;  // world direction of the pixel's ray, scaled to z-depth 1
   };
 
   void add_samples(uint32_t photo, int step);

@@ -14,25 +14,25 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kFewStep = 8, kManyStep = 4;  // pixels between the samples of a photo: for all candidates, for the best ones
+constexpr int kFewStep = 8, kManyStep = 4;  // sampling step in pixels: for all candidates, for the best ones
 constexpr int kWallDirections = 72;
-// Distances of candidates beyond what they bound, in extents of that along their normal: 0 to kFarthest, denser near by.
+// Candidate distances beyond the scene bounds, in extents along the normal: 0 to kFarthest, denser at short range.
 constexpr double kFarthest = 3;
 constexpr int kWallSteps = 12, kFloorSteps = 24;
-constexpr double kMayLieBehind = 0.01;  // of what stereo found: its errors
+constexpr double kMayLieBehind = 0.01;  // share of stereo points allowed behind a plane: stereo errors
 constexpr size_t kMostBarePlanes = 6, kFinalists = 4, kFewestPhotos = 3;
-constexpr size_t kFewestSamples = 2000;  // a few photos of 160 pixels; what fewer say of a plane is chance
-// Refinement: first steps in radians and extents, halved in every round.
+constexpr size_t kFewestSamples = 2000;  // a few photos of 160 pixels; fewer samples are not significant
+// Refinement: initial steps in radians and extents, halved in every round.
 struct Steps {
   double turn, shift;
 };
 constexpr Steps kCoarse{0.07, 0.1}, kFine{0.017, 0.03}, kPolish{0.05, 0.06};
 constexpr int kRefinements = 5, kPolishes = 2;
 constexpr double kLeastGain = 0.001, kLeastFloorGain = 0.0003, kLeastRefuted = 0.0002;  // mean over all samples, brightness
-constexpr double kMovedBy = 0.25, kTurnedBy = 0.2;          // extents and radians: of planes that must be refuted
-constexpr double kUpright = 0.94;                           // cosine to +z, from which a plane tells what is level
+constexpr double kMovedBy = 0.25, kTurnedBy = 0.2;          // extents and radians: perturbations that must increase the cost
+constexpr double kUpright = 0.94;                           // cosine to +z above which a plane is horizontal
 constexpr double kNearlySquare = 0.95, kSquare = 1 - 1e-9;  // cosines
-constexpr double kSquareGain = 0.93;                        // of the gain: what a right angle may cost
+constexpr double kSquareGain = 0.93;  // of the gain: minimum that must remain after snapping to a right angle
 
 struct Wall {
   ScenePlane plane;
@@ -75,7 +75,8 @@ class BareWallSearch {
       const Vec3d found = next.plane.normal;
       if (!next.plane.floor)
         for (const Vec3d& n : at_right_angles(found)) add_candidates(n, kWallSteps, candidates);
-      std::erase_if(candidates, [&](const ScenePlane& c) { return dot(c.normal, found) > kNearlySquare; });  // nothing behind it
+      // Removes candidates behind it.
+      std::erase_if(candidates, [&](const ScenePlane& c) { return dot(c.normal, found) > kNearlySquare; });
     }
     for (int round = 0; round < kPolishes; ++round)
       for (size_t w = 0; w < walls.size(); ++w) polish(w, walls);
@@ -83,7 +84,7 @@ class BareWallSearch {
   }
 
  private:
-  // Cameras, and points of what stereo found.
+  // Adds the camera centre and samples of the stereo surface.
   void add_bounded(const View& view, const DepthMap& map) {
     centres_.push_back(view.centre_in_world());
     const Rigid world_from_cam = inverse(view.cam_from_world);
@@ -93,7 +94,7 @@ class BareWallSearch {
           surface_.push_back(world_from_cam * (double(map.zdepth[i]) * view.intrinsics.ray(x + 0.5, y + 0.5)));
   }
 
-  // Along a normal: where it begins, and beyond which a wall may stand.
+  // Range of cameras and stereo points along a normal; walls lie beyond `high`.
   struct Bounds {
     double low = 1e300, high = -1e300;
     double extent() const { return high - low; }
@@ -132,7 +133,7 @@ class BareWallSearch {
     }
   }
 
-  // About an axis through its point nearest to the origin.
+  // Rotates about an axis through the plane's point nearest to the origin.
   static ScenePlane turned(ScenePlane plane, const Vec3d& axis, double angle) {
     const Vec3d foot = plane.offset * plane.normal;
     plane.normal = normalized(std::cos(angle) * plane.normal + std::sin(angle) * cross(axis, plane.normal));
@@ -142,7 +143,7 @@ class BareWallSearch {
 
   static Wall better(const Wall& a, const Wall& b) { return b.gain > a.gain ? b : a; }
 
-  // No turns: steps.turn = 0.
+  // steps.turn = 0: translation only.
   Wall refined(const ScenePlane& start, const BareEvidence& evidence, std::span<const float> least, Steps steps) const {
     Wall best{start, evidence.gain(start, least)};
     for (int round = 0; round < kRefinements; ++round, steps = {steps.turn / 2, steps.shift / 2})
@@ -157,20 +158,20 @@ class BareWallSearch {
     return best;
   }
 
-  // Do photos refute it wherever it is moved or turned to?
+  // Whether moving or rotating the plane increases its cost in every case.
   bool is_distinct(const ScenePlane& plane) const {
     const double moved = kMovedBy * bounds(plane.normal).extent();
     ScenePlane nearer = plane, farther = plane;
     nearer.offset -= moved, farther.offset += moved;
     std::vector<ScenePlane> others{nearer, farther};
     for (const Vec3d& axis : {up_, across_, cross(up_, across_)}) {
-      if (is_level(plane) == (axis == up_)) continue;  // walls stay upright
+      if (is_level(plane) == (axis == up_)) continue;  // walls stay vertical
       for (const double way : {kTurnedBy, -kTurnedBy}) others.push_back(turned(plane, axis, way));
     }
     return many_.refuted(others, plane, many_least_) > kLeastRefuted * double(many_.size());
   }
 
-  // Gain 0: none counts.
+  // Gain 0: no candidate is accepted.
   Wall best_of(const std::vector<ScenePlane>& candidates) const {
     std::vector<double> gains(candidates.size());
     parallel_for(gains.size(), 8, [&](size_t c) { gains[c] = few_.gain(candidates[c], few_least_); });
@@ -188,7 +189,7 @@ class BareWallSearch {
     return *std::ranges::max_element(finalists, {}, &Wall::gain);
   }
 
-  // Once more, beside the others, and at a right angle to one of them if that costs little.
+  // Refines a wall again, given the others, and snaps it to a right angle with one of them if the gain hardly drops.
   void polish(size_t w, std::vector<ScenePlane>& walls) const {
     std::vector<float> least = unexplained_;
     for (size_t o = 0; o < walls.size(); ++o) {

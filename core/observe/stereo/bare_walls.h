@@ -1,16 +1,16 @@
-// Bare walls and the floor: planes without texture, which stereo does not find (scene_planes.h), because nothing in their middle
-// tells one depth from another. Their borders do, and so does their shading: carried through the right plane, what a photo shows
-// where it has no reliable depth agrees with the other photos better than at any other depth, or infinitely far away. They are
-// looked for only where they bound all cameras and all that stereo found, walls upright, and a floor where stereo has found none.
-// One counts only if the photos refute it when it is moved or turned, which they do not for the sky.
+// Plane sweep for textureless walls and floors, which scene_planes.h misses because stereo finds no depth in their middle.
+// Borders and shading constrain them: warped through the correct plane, pixels without reliable depth match the other photos
+// better than at any other depth or at infinity. The search covers planes that bound all cameras and all stereo points: vertical
+// walls, and a floor where stereo found none. A plane is accepted only if moving or turning it makes the match worse, which
+// rejects the sky.
 #pragma once
 
 #include "core/observe/stereo/scene_planes.h"
 
 namespace vitrine {
 
-// Beyond `planes` (scene_planes()), those that explain the most first, at most six. `maps` after count_agreement(). The same for
-// any number of threads.
+// Planes in addition to `planes` (scene_planes()), at most six, those with the largest gain first. Call count_agreement() on
+// `maps` first. The result does not depend on the number of threads.
 std::vector<ScenePlane> bare_walls(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps,
                                    std::span<const ScenePlane> planes);
 

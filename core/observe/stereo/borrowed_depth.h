@@ -1,5 +1,5 @@
-// Depth of a pixel that nobody measured, from the nearest known ones in the same photo: for the first surfels of a training,
-// which only have to lie somewhere near.
+// Interpolates the depth of a pixel from the nearest known depths in the same photo. Used for initial surfels, which need only
+// an approximate position.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct KnownDepth {
 
 struct BorrowedDepth {
   double z = 0;       // mean inverse of the three nearest, weighted by 1 / (squared distance + 1)
-  double spread = 1;  // farthest of them over nearest: much more than 1 = they lie on different surfaces
+  double spread = 1;  // farthest of them over nearest: much more than 1 = different surfaces
 };
 // Empty when none of `known` is within `reach` pixels of (x, y).
 std::optional<BorrowedDepth> borrowed_depth(std::span<const KnownDepth> known, double x, double y, double reach);

@@ -13,8 +13,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kTurns = 6;                                                  // starts, over a quarter of a turn about z
-constexpr double kFirstStep = 0.08, kCoarseStep = 0.01, kLastStep = 2e-4;  // of the box's diagonal; radians for angles
+constexpr int kTurns = 6;                                                  // initial rotations, over a quarter turn about z
+constexpr double kFirstStep = 0.08, kCoarseStep = 0.01, kLastStep = 2e-4;  // of the box diagonal; radians for angles
 
 double mean_agreement(const std::vector<MaskRows>& photos, const Box& box) {
   std::vector<double> each(photos.size());

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kInside = 0.5f;  // coverage
 
-// Coverage between pixel centres, without unknown pixels; negative: all are.
+// Bilinear coverage that ignores unknown pixels; negative: all are unknown.
 float interpolated(const ImageF& value, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, double(value.width() - 1)), v = std::clamp(y - 0.5, 0.0, double(value.height() - 1));
   const int left = std::max(std::min(int(u), value.width() - 2), 0), top = std::max(std::min(int(v), value.height() - 2), 0);

@@ -1,5 +1,5 @@
-// Carving: the points of space that silhouettes agree to be inside an object (Laurentini, "The visual hull concept for
-// silhouette-based image understanding", 1994), with a share of the photos that may contradict. One rule for all hulls.
+// Space carving from silhouettes (Laurentini, "The visual hull concept for silhouette-based image understanding", 1994) that
+// tolerates a share of contradicting photos. All visual hulls use this rule.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,28 @@
 namespace vitrine {
 
 struct CarvingRule {
-  double dissent = 0.1;      // share of the photos, of those that show a point, that may show it outside: masks have errors
-  size_t fewest_views = 3;   // photos that must show a point inside, at least
-  double seen_share = 0.35;  // of all photos that must show it inside: a hull of few photos is no hull
+  double dissent = 0.1;      // outlier share: of the photos that see a point, those that may show it outside; masks have errors
+  size_t fewest_views = 3;   // minimum number of photos that show a point inside
+  double seen_share = 0.35;  // minimum share of all photos that show it inside: few photos give no usable visual hull
 };
-// Of outlines that were looked for in each photo by itself, by GrabCut or a network: they err more than masks do, and vote. With
-// a tenth the outlines of a marked pot cut its lid off (overlap .72 instead of .88).
+// For outlines found in each photo separately, by GrabCut or a network, which have more errors than masks. With an outlier
+// share of 0.1 the lid of a marked pot was lost (IoU .72 instead of .88).
 inline constexpr CarvingRule kOutlineVote{.dissent = 0.2};
 
 class Carving {
  public:
-  // Refers to the silhouettes. `widened`: inside() is called with a slack.
+  // Keeps a reference to the silhouettes. `widened`: inside() will be called with a slack.
   Carving(std::span<const Silhouette> silhouettes, const CarvingRule& rule, bool widened = false);
 
-  // Cameras nearer than `near` do not show the point. `slack`: scene units that silhouettes are widened by, so that a coarse grid
-  // loses nothing.
+  // Cameras nearer than `near` do not count. `slack`: dilation of the silhouettes in scene units, so that a coarse grid loses
+  // no voxels.
   bool inside(const Vec3d& p, double near = 0, double slack = 0) const;
-  // How far inside, 0 to 1, with coverage interpolated between pixels: the value that all photos but the dissenting share reach.
-  // `scratch` is overwritten.
+  // Soft occupancy in [0, 1], with coverage interpolated between pixels: the value that all photos except the outlier share
+  // reach. `scratch` is overwritten.
   float occupancy(const Vec3d& p, std::vector<float>& scratch) const;
 
  private:
-  // Pixels inside a silhouette, in rectangles of its picture: a summed-area table, [h+1,w+1].
+  // Number of silhouette pixels in a rectangle of the photo: a summed-area table, [h+1,w+1].
   class Counts {
    public:
     explicit Counts(const ImageF& value);

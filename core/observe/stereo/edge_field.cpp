@@ -13,9 +13,9 @@ namespace vitrine {
 namespace {
 
 constexpr std::array<float, 3> kSmooth{0.45f, 0.24f, 0.035f};  // Gaussian of 0.85 pixels
-constexpr int kAround = 10;                                    // pixels: what an edge must stand out of
-constexpr float kNoise = 0.006f;                               // change from pixel to pixel that says nothing
-constexpr float kAcross = 4;   // squared changes along an edge count so many times against it: within 27 degrees
+constexpr int kAround = 10;                                    // pixels: radius of the local mean gradient
+constexpr float kNoise = 0.006f;                               // gradient noise per pixel
+constexpr float kAcross = 4;   // penalty on gradients along the edge, relative to those across it: limits the angle to 27 degrees
 constexpr double kBorder = 2;  // pixels
 
 ImageF smoothed(const ImageF& image) {
@@ -37,7 +37,7 @@ ImageF smoothed(const ImageF& image) {
   return out;
 }
 
-// Mean over squares of 2 kAround + 1 pixels, clipped at the border.
+// Box mean with radius kAround, clipped at the border.
 std::vector<float> means_around(const std::vector<float>& values, int width, int height) {
   std::vector<double> sums(size_t(width + 1) * size_t(height + 1), 0.0);
   const auto at = [&](int x, int y) -> double& { return sums[size_t(y) * size_t(width + 1) + size_t(x)]; };

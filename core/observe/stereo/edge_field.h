@@ -1,6 +1,6 @@
-// Where a photo changes, and in which direction, as strong as that stands out of what surrounds it: the rim of a pane before a
-// plain wall, which differs from it by two grey levels, counts like the edge of a poster, and among tiles nothing counts much. A
-// line in space is an edge in all photos that show it; what is drawn on things behind it is not on that line in any other photo.
+// Edge strength and direction of a photo, normalised by the local gradient. The border of a pane in front of a plain wall, two
+// grey levels of contrast, counts like the edge of a poster; among tiles no edge counts much. A 3D line projects to an edge in
+// all photos that see it; texture on surfaces behind it does not stay on the line in other photos.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace vitrine {
 
-// A photo whose edges are looked at.
+// Input photo of edge detection.
 struct EdgePhoto {
   View view;    // intrinsics of the size of `srgb`
   ImageF srgb;  // [h,w,3] display-referred
@@ -22,16 +22,16 @@ class EdgeField {
   explicit EdgeField(const EdgePhoto& photo);
 
   const View& view() const { return view_; }
-  // How much of an edge along `direction` (world) there is at the picture of `p` (world): 0 none, towards 1 far more than around
-  // it; negative: the photo does not show `p`.
+  // Edge strength along `direction` (world) at the projection of `p` (world): 0 none, towards 1 far above the local mean;
+  // negative: `p` is outside the photo.
   float along(const Vec3d& p, const Vec3d& direction) const;
 
  private:
   View view_;
-  ImageF tensor_;  // [h,w,3] of squared changes: along x, along y, mixed; of the mean change around
+  ImageF tensor_;  // [h,w,3] structure tensor xx, yy, xy, relative to the local mean gradient
 };
 
-// Of photos with a longest side of at most `max_side` pixels.
+// Edge fields of the photos, reduced to a longest side of at most `max_side` pixels.
 std::vector<EdgeField> edge_fields(std::span<const EdgePhoto> photos, int max_side);
 
 }  // namespace vitrine

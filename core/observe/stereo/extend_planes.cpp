@@ -14,31 +14,31 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kEdgeCost = 40;      // of a step across a full change of brightness, in pixels
-constexpr double kLongestBlind = 40;  // path that a plane is followed where no other photo looks
-constexpr double kMostStretched = 4;  // of a source's depth: how far its plane may be followed
-constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below which a plane is not tried
+constexpr double kEdgeCost = 40;      // path length of a full brightness step, in pixels
+constexpr double kLongestBlind = 40;  // maximum path length of an extrapolation where no other photo looks
+constexpr double kMostStretched = 4;  // maximum depth ratio to the source pixel for an extrapolation
+constexpr double kMostSlanted = 0.1;  // minimum cosine between ray and normal
 
-// Costs of a choice, in brightness.
+// Costs of a candidate, in brightness.
 constexpr float kImpossible = 1;
-constexpr float kUnseen = 0.06f;                     // no other photo sees it
-constexpr float kContradicted = 0.6f;                // it would hide what other photos surely see, or stand around their cameras
-constexpr float kOtherSurface = 0.07f;               // at a reliable pixel: not the surface found there
-constexpr float kLocalHandicap = 0.005f;             // a large plane is more exact than the continuation of a few pixels
-constexpr float kFarHandicap = 0.02f;                // plaster without texture looks alike wherever it is
+constexpr float kUnseen = 0.06f;                     // not visible in any other photo
+constexpr float kContradicted = 0.6f;                // occludes reliable surfaces of other photos, or lies close to their cameras
+constexpr float kOtherSurface = 0.07f;               // at a reliable pixel: differs from its surface
+constexpr float kLocalHandicap = 0.005f;             // a large plane is more accurate than an extrapolation of a few pixels
+constexpr float kFarHandicap = 0.02f;                // textureless plaster matches at any depth
 constexpr double kSameDepth = 0.02, kBefore = 0.06;  // relative depths
-constexpr double kReach = 4;                         // pixels over which costs are averaged
+constexpr double kReach = 4;                         // pixels: radius of the cost filter
 constexpr int kAverages = 2;
 
 struct Nearest {
-  std::vector<double> path;      // length in pixels, edges included
-  std::vector<uint32_t> source;  // the reliable pixel it starts from
+  std::vector<double> path;      // path length in pixels, including edge costs
+  std::vector<uint32_t> source;  // the reliable pixel where the path starts
 };
 
 Nearest nearest_reliable(const ImageF& luma, const DepthMap& map) {
   const size_t pixels = map.zdepth.size();
   Nearest nearest{std::vector<double>(pixels, 1e300), std::vector<uint32_t>(pixels)};
-  using Entry = std::pair<double, uint32_t>;  // ties by index: one order on every machine
+  using Entry = std::pair<double, uint32_t>;  // ties broken by index, for a deterministic order
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   for (size_t i = 0; i < pixels; ++i)
     if (map.reliable(i)) {
@@ -65,7 +65,7 @@ Nearest nearest_reliable(const ImageF& luma, const DepthMap& map) {
   return nearest;
 }
 
-// What the other photos say about a plane at a pixel.
+// Photometric and occlusion cost of a plane at a pixel, from the other photos.
 class Witnesses {
  public:
   Witnesses(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, size_t index)
@@ -76,15 +76,15 @@ class Witnesses {
                            photos[o].view.cam_from_world * inverse(photo_.view.cam_from_world)});
   }
 
-  // Mean difference in brightness to the two photos that the plane fits best; more where it stands before what they surely see
-  // or around their cameras.
+  // Mean brightness difference to the two best matching photos, plus a penalty for occluding their reliable surfaces or lying
+  // close to their cameras.
   float cost(const ReferencePatch& patch, const InversePlane& plane, double x, double y) const {
     const Vec3d point = photo_.view.intrinsics.ray(x, y) / plane.at(x, y);
     float best = 1, second = 1;
     double against = 0, in_favour = 0;
     for (const Other& other : others_) {
       const Vec3d p = other.from_reference * point;
-      // Around a camera there is air, in whatever direction it looks: somebody held it there.
+      // The space around a camera is empty in every direction.
       if (dot(p, p) < photos_[other.index].near_z * photos_[other.index].near_z) {
         against += 1;
         continue;
@@ -95,7 +95,7 @@ class Witnesses {
       const size_t pixel = map.index(int(at->x), int(at->y));
       if (map.reliable(pixel)) {
         const double z = double(map.zdepth[pixel]);
-        if (p.z > (1 + kBefore) * z) continue;  // hidden there
+        if (p.z > (1 + kBefore) * z) continue;  // occluded there
         if (p.z < (1 - kBefore) * z)
           against += 1;
         else if (std::abs(p.z - z) < kSameDepth * z)
@@ -124,8 +124,8 @@ class Witnesses {
   std::vector<Other> others_;
 };
 
-// Average over a neighbourhood that ends at edges: a recursive filter there and back along rows, then columns (Gastal and
-// Oliveira, "Domain Transform for Edge-Aware Image and Video Processing", 2011).
+// Edge-preserving average: recursive filter forward and back along rows, then columns (Gastal and Oliveira, "Domain Transform
+// for Edge-Aware Image and Video Processing", 2011).
 void average_alike(const ImageF& luma, std::vector<float>& values) {
   const int width = luma.width(), height = luma.height();
   const auto carry = [&](int x, int y, int u, int v) {
@@ -157,9 +157,9 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
   const Nearest nearest = nearest_reliable(photo.luma, map);
   const Witnesses witnesses(photos, maps, index);
 
-  // Choices: the large planes, the far background, the continuation.
+  // Candidates: large planes, far background, extrapolation.
   std::vector<InversePlane> choices, floors;
-  std::vector<std::pair<Vec3d, double>> reach;  // [choice] of the large planes: centre in the camera's frame, radius
+  std::vector<std::pair<Vec3d, double>> reach;  // [choice] large planes only: centre in the camera frame, radius
   for (const ScenePlane& plane : planes) {
     const Vec3d normal = photo.view.cam_from_world.rotation * plane.normal;
     const double offset = plane.offset + dot(normal, photo.view.cam_from_world.translation);
@@ -171,7 +171,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
   const size_t far = choices.size(), local = far + 1;
   const double far_z = std::max(photo.far_z, photo.background_z);
   choices.push_back({0, 0, 1 / far_z});
-  const InversePlane end{0, 0, 1 / photo.far_z};  // of where surfaces are looked for: floors that go on beyond hide no sky
+  const InversePlane end{0, 0, 1 / photo.far_z};  // end of the searched depth range: floors beyond it do not occlude the sky
   std::vector<std::optional<InversePlane>> fitted(pixels);
   std::vector<std::vector<float>> cost(choices.size() + 1, std::vector<float>(pixels, kImpossible));
   const auto above_floors = [&](const InversePlane& plane, double x, double y) {

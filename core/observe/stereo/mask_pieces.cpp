@@ -11,8 +11,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLeastOfHull = 0.75;  // of the convex hull, that the mask marks: the rest is hidden by things in front
-constexpr double kLeastOfQuad = 0.93;  // of the quadrilateral, that the convex hull covers: a disc has .79, a hexagon .75
+constexpr double kLeastOfHull = 0.75;  // minimum share of the convex hull that the mask covers; occluders hide the rest
+constexpr double kLeastOfQuad = 0.93;  // minimum share of the quadrilateral that the hull covers: a disc has .79, a hexagon .75
 
 double turn(const Vec2d& a, const Vec2d& b) { return a.x * b.y - a.y * b.x; }
 
@@ -22,7 +22,8 @@ double area_of(std::span<const Vec2d> polygon) {
   return 0.5 * sum;
 }
 
-// Takes sides away, the neighbours of the side extended until they meet, always the one that adds the least area.
+// Simplifies a convex polygon to four corners: repeatedly removes the side whose removal adds the least area, and extends its
+// neighbours until they meet.
 std::optional<std::array<Vec2d, 4>> four_corners(std::vector<Vec2d> polygon) {
   while (polygon.size() > 4) {
     const size_t n = polygon.size();

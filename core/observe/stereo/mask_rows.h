@@ -1,4 +1,4 @@
-// How well a convex silhouette agrees with a mask: intersection over union, row by row of pixels, so that parts of a pixel count.
+// IoU of a convex silhouette and a mask, integrated along pixel rows with subpixel span ends.
 #pragma once
 
 #include <array>
@@ -9,17 +9,17 @@
 
 namespace vitrine {
 
-// A convex silhouette: the span [left, right] of every row of pixels, at the height of their centres; right < left where it has
-// none. No rows: nothing of it is in front of the camera.
+// A convex silhouette: the span [left, right] of each pixel row at its centre height; right < left where the row is empty. No
+// rows: the object is entirely behind the camera.
 using RowSpans = std::vector<std::array<double, 2>>;
 RowSpans no_spans(const View& view);
-// Widens the spans by the segment between two points of the picture.
+// Extends the spans by the segment between two image points.
 void add_segment(Vec2d a, Vec2d b, RowSpans& spans);
 
 // 1 inside, [h,w] of the view.
 std::vector<uint8_t> pixels_of(const RowSpans& spans, const View& view);
 
-// A mask by rows: how much of it, and how much that is known at all, lies left of x.
+// Prefix sums of a mask along rows: marked pixels, and known pixels, to the left of x.
 class MaskRows {
  public:
   explicit MaskRows(const Silhouette& mask);
@@ -37,7 +37,7 @@ class MaskRows {
   double all_ = 0;
 };
 
-// Mean over the better three quarters of the photos: an object may stand in front in the others.
+// Mean over the best three quarters of the photos: the object may be occluded in the others.
 double mean_of_better(std::vector<double> agreements);
 
 }  // namespace vitrine

@@ -19,18 +19,18 @@ namespace vitrine {
 namespace {
 
 constexpr float kMaskEdge = 0.5f;    // coverage
-constexpr double kSampleStep = 0.5;  // pixels, along the search for the edge of a mask
-constexpr double kBeside = 1.5;      // pixels outside a contact: where the mesh is there as well, it is no silhouette
+constexpr double kSampleStep = 0.5;  // pixels, step of the mask-edge search
+constexpr double kBeside = 1.5;      // pixels outside a contour vertex: no contour if the mesh covers that point too
 constexpr double kLeastReach = 2.5;  // pixels
-constexpr double kRobust = 0.25;     // of the mean edge: residuals that weigh half
-constexpr int kReweighted = 3;       // solves of a round
-constexpr double kRelaxed = 0.5;     // of the way to the middle of its neighbours, along the surface, that a vertex goes
-constexpr double kRest = 1e-3;       // weight of staying, for what no photo tells
-constexpr double kMostStep = 1.0;    // mean edges that a vertex moves at once
+constexpr double kRobust = 0.25;     // of the mean edge length: residual with weight one half
+constexpr int kReweighted = 3;       // reweighted solves per round
+constexpr double kRelaxed = 0.5;     // tangential smoothing: share of the way to the mean of the neighbours
+constexpr double kRest = 1e-3;       // damping weight for vertices without observations
+constexpr double kMostStep = 1.0;    // maximum step per round, in mean edge lengths
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// A vertex at the silhouette of a photo, and how far outwards along its normal the mask ends.
+// A contour vertex in one photo, and the signed distance to the mask edge along its normal.
 struct Contact {
   uint32_t vertex;
   double away;  // scene units
@@ -43,7 +43,7 @@ double mean_edge(const TriMesh& mesh, const VertexNeighbours& near) {
   return near.vertex.empty() ? 0 : sum / double(near.vertex.size());
 }
 
-// The nearest place along `out` where the mask ends, pixels from (x, y), at most `reach` away; nothing where it is unknown.
+// Signed distance in pixels along `out` to the nearest mask edge, at most `reach`; nullopt where the mask is unknown.
 std::optional<double> edge_along(const ImageF& mask, Vec2d at, Vec2d out, double reach) {
   const auto value = [&](double s) { return coverage_at(mask, at.x + s * out.x, at.y + s * out.y); };
   const float here = value(0);
@@ -62,10 +62,10 @@ std::optional<double> edge_along(const ImageF& mask, Vec2d at, Vec2d out, double
   return std::nullopt;
 }
 
-// Vertices between faces that look at the camera and faces that do not, where the photo sees nothing of the mesh beside them.
+// Contour vertices: between front-facing and back-facing faces, where the photo does not see the mesh just outside them.
 std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const Silhouette& s, double reach) {
   const Vec3d eye = s.view.centre_in_world();
-  std::vector<uint8_t> sides(mesh.positions.size(), 0);  // bit 0: some face looks at the camera; bit 1: some does not
+  std::vector<uint8_t> sides(mesh.positions.size(), 0);  // bit 0: has a front-facing face; bit 1: has a back-facing one
   for (const auto& f : mesh.faces) {
     const Vec3d a = cast<double>(mesh.positions[f[0]]), b = cast<double>(mesh.positions[f[1]]),
                 c = cast<double>(mesh.positions[f[2]]);
@@ -78,7 +78,7 @@ std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const S
     const Vec3d p = cast<double>(mesh.positions[v]), n = cast<double>(mesh.normals[v]);
     const auto at = projection(p, s.view, 1e-6);
     if (!at) continue;
-    const double pixel = at->z / s.view.intrinsics.fx;  // scene units
+    const double pixel = at->z / s.view.intrinsics.fx;  // pixel size in scene units
     const auto beside = projection(p + pixel * n, s.view, 1e-6);
     if (!beside) continue;
     Vec2d outwards{beside->x - at->x, beside->y - at->y};
@@ -93,7 +93,8 @@ std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const S
   return out;
 }
 
-// Steps along the normals: sum over contacts of |step - away| (reweighted squares) + stiffness |L (x + step n)|^2 / edge.
+// Minimises over the steps along the normals:
+// sum over contours of |step - away| (reweighted squares) + stiffness |L (x + step n)|^2 / edge.
 class Plate {
  public:
   explicit Plate(const TriMesh& mesh) : near_(mesh) {
@@ -150,7 +151,7 @@ class Plate {
   bool analysed_ = false;
 };
 
-// Along the surface towards the middle of the neighbours.
+// Tangential smoothing towards the mean of the neighbours.
 void relax(const VertexNeighbours& near, TriMesh& mesh) {
   const std::vector<Vec3f> before = mesh.positions;
   for (size_t v = 0; v < before.size(); ++v) {

@@ -10,12 +10,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kMostOutlines = 60;   // of which all pairs are tried, the largest
-constexpr double kLeastAngle = 0.1;    // radians between two rays that meet
-constexpr double kMostGap_px = 0.012;  // between them, of the picture's longest side
-constexpr double kSquare = 0.25;       // cosine between the sides of a rectangle, at most: rays of small angles err
-constexpr double kFlat_rel = 0.2;      // of its size: how far the four points may be off a rectangle
-constexpr double kOnCorner = 0.15;     // of the root of a quadrilateral's area: a corner is on its corner
+constexpr size_t kMostOutlines = 60;   // largest quadrilaterals, all pairs of which are tried
+constexpr double kLeastAngle = 0.1;    // radians: minimum angle between two intersecting rays
+constexpr double kMostGap_px = 0.012;  // maximum distance between two rays, of the picture's longest side
+constexpr double kSquare = 0.25;       // maximum cosine between the sides of a rectangle: rays at small angles are inaccurate
+constexpr double kFlat_rel = 0.2;      // of its size: maximum deviation of the four points from a rectangle
+constexpr double kOnCorner = 0.15;     // of the square root of a quadrilateral's area: tolerance for matching corners
 constexpr size_t kFewestOutlines = 3;
 constexpr size_t kMostOfOutlines = 12;  // candidates
 
@@ -41,7 +41,7 @@ std::vector<Outline> largest_outlines(std::span<const Silhouette> masks, double 
   return out;
 }
 
-// Middle of the shortest segment between two rays.
+// Midpoint of the shortest segment between two rays.
 std::optional<Vec3d> meeting(const Outline& a, const Vec3d& from_a, const Outline& b, const Vec3d& from_b) {
   const Vec3d between = b.eye - a.eye;
   const double c = dot(from_a, from_b), sine = 1 - c * c;
@@ -62,7 +62,7 @@ std::optional<Plane> rectangle(const std::array<Vec3d, 4>& p) {
   if (!(width > 0 && height > 0)) return std::nullopt;
   const Vec3d u = right / width, v = down / height;
   if (std::abs(dot(u, v)) > kSquare) return std::nullopt;
-  const Vec3d middle = normalized(u + v), across = normalized(u - v);  // u and v turned until they are at right angles
+  const Vec3d middle = normalized(u + v), across = normalized(u - v);  // u and v rotated symmetrically to a right angle
   const Vec3d x = normalized(middle + across), up = -normalized(middle - across);
   const Plane out{0.25 * (p[0] + p[1] + p[2] + p[3]), Mat3d{x, up, cross(x, up)}, {width, height}};
   const std::array<Vec3d, 4> own = corners_of(out);
@@ -73,7 +73,7 @@ std::optional<Plane> rectangle(const std::array<Vec3d, 4>& p) {
 
 struct Support {
   size_t outlines = 0;
-  double off = 0;  // of their corners, sum
+  double off = 0;  // summed corner distance
 };
 
 Support support_of(const Plane& plane, std::span<const Outline> outlines) {

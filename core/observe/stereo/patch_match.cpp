@@ -15,9 +15,9 @@ namespace {
 
 enum : uint64_t { kPlaneStream = 0x5701 };
 
-constexpr double kMostSlantedMatch = 0.15;  // cosine between the normal and the ray below which a plane is not tried
-constexpr double kSurelyRotated = 0.9998;   // of two normals: the same plane is not scored twice
-constexpr float kLonelyPenalty = 0.1f;      // a plane that one neighbour alone sees is believed less
+constexpr double kMostSlantedMatch = 0.15;  // minimum cosine between the normal and the ray
+constexpr double kSurelyRotated = 0.9998;   // of two normals: above it a plane counts as the same and is not scored again
+constexpr float kLonelyPenalty = 0.1f;      // for a plane that only one neighbour sees
 constexpr float kGoodScore = 0.75f;
 constexpr double kAgreeDepth = 0.02, kAgreePixels = 1.5;
 
@@ -59,7 +59,7 @@ class Scan {
 
   float score(const ReferencePatch& patch, const PlaneHypothesis& plane, int x, int y) const {
     const Vec3d r = ray(x, y);
-    const double offset = plane.z * dot(plane.normal, r);  // negative: the normal looks at the camera
+    const double offset = plane.z * dot(plane.normal, r);  // negative: the normal faces the camera
     if (!(plane.z >= photo_.near_z && plane.z <= photo_.far_z) || !(offset < 0)) return -1;
     if (-dot(plane.normal, r) < kMostSlantedMatch * length(r)) return -1;
     const Intrinsics& k = photo_.view.intrinsics;
@@ -67,7 +67,7 @@ class Scan {
     const Vec3d by_pixel{n.x / k.fx, n.y / k.fy, n.z - n.x * k.cx / k.fx - n.y * k.cy / k.fy};
     float best = -2, second = -2;
     for (size_t i = 0; i < transfers_.size(); ++i) {
-      if (dot(plane.normal, transfers_[i].centre) <= offset) continue;  // that camera looks at its back
+      if (dot(plane.normal, transfers_[i].centre) <= offset) continue;  // back-facing for that camera
       const float s = patch_score(patch, photos_[photo_.neighbours[i]].luma, transfers_[i], by_pixel, x + 0.5, y + 0.5);
       if (s > best)
         second = std::exchange(best, s);
@@ -93,7 +93,7 @@ class Scan {
   }
   double random_inverse() { return farthest_ + rng_.uniform_double() * (nearest_ - farthest_); }
 
-  // The nearest known point's depth on a coarse grid: where there is one nearby, it is tried first.
+  // Depth of the nearest sparse point on a coarse grid; used as the first hypothesis.
   std::vector<double> hinted() const {
     std::vector<double> z(planes_.size(), 0);
     std::vector<std::pair<int, int>> front;
@@ -103,7 +103,7 @@ class Scan {
       if (z[at(x, y)] == 0) front.emplace_back(x, y);
       z[at(x, y)] = h.z;
     }
-    for (size_t i = 0; i < front.size(); ++i) {  // breadth first: the nearest in city-block distance
+    for (size_t i = 0; i < front.size(); ++i) {  // breadth-first: nearest in city-block distance
       const auto [x, y] = front[i];
       for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         const int nx = x + dx, ny = y + dy;
@@ -127,7 +127,7 @@ class Scan {
         scores_[i] = score(patch, planes_[i], x, y);
         attempt(patch, {1 / random_inverse(), turned(towards, 0.7)}, x, y);
         const double z = planes_[i].z;
-        // What people build is level and upright: a floor or a table, a wall.
+        // Prior for man-made scenes: try a horizontal plane (floor, table) and a vertical one (wall).
         attempt(patch, {z, up_}, x, y);
         if (const Vec3d level = towards - dot(towards, up_) * up_; length(level) > 0.2)
           attempt(patch, {z, normalized(level)}, x, y);
@@ -149,7 +149,7 @@ class Scan {
           const double facing = dot(near.normal, own_ray);
           if (facing > -1e-6) continue;
           const PlaneHypothesis carried{near.z * dot(near.normal, ray(nx, ny)) / facing, near.normal};
-          if (patch.flat()) {  // nothing to judge by: a flat patch goes on as its neighbour does
+          if (patch.flat()) {  // a textureless patch takes the plane of its neighbour
             if (scores_[at(nx, ny)] >= 0.5f && carried.z >= photo_.near_z && carried.z <= photo_.far_z) planes_[i] = carried;
             continue;
           }
@@ -208,7 +208,7 @@ void count_agreement(std::span<const StereoPhoto> photos, std::span<DepthMap> ma
           const auto at = image_point(p, ko, 1e-6);
           if (!at) continue;
           const size_t j = other.index(int(at->x), int(at->y));
-          // The other surface where this ray meets it: its plane, followed from its pixel's centre.
+          // Intersection of this ray with the plane of the other map's pixel.
           const Vec3d normal = cast<double>(other.normal[j]), ray = ko.ray(at->x, at->y);
           const double facing = dot(normal, ray);
           if (facing > -1e-6) continue;
@@ -230,7 +230,7 @@ std::vector<std::vector<uint32_t>> stereo_neighbours(const ViewSet& set, std::sp
   for (const View& view : set.views) centres.push_back(view.centre_in_world());
   std::vector<bool> usable(n, false);
   for (uint32_t v : use) usable[v] = true;
-  // Each shared point counts by the angle under which the two see it: nothing below a degree, fully from ten on.
+  // Weight of a shared point by the angle between its two rays: zero below one degree, full from ten degrees.
   std::vector<double> shared(n * n, 0);
   for (const ScenePoint& point : set.points)
     for (uint32_t a : point.views)

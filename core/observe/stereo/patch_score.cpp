@@ -22,7 +22,7 @@ constexpr Offsets kOffsets = [] {
   return o;
 }();
 
-// Eight running sums, added in a fixed order: the same bytes however the compiler vectorises.
+// Eight partial sums in a fixed order: the same result for any vectorisation.
 template <class Term>
 float lane_sum(Term&& term) {
   float lanes[8] = {};
@@ -31,12 +31,12 @@ float lane_sum(Term&& term) {
   return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
 }
 
-// The patch's pixels as the other photo shows them; false where it does not see them.
+// Samples the warped patch in the other photo; false where it is not visible.
 bool carried(const ImageF& other, const Transfer& transfer, const Vec3d& m, double x, double y,
              std::array<float, kPatchLanes>& value) {
   const Mat3d& a = transfer.rotation_part;
   const Vec3d& b = transfer.translation_part;
-  // Columns of the homography, and the image of the centre.
+  // Columns of the homography, and the projection of the patch centre.
   const Vec3d h0 = a.c0 + m.x * b, h1 = a.c1 + m.y * b, h2 = a.c2 + m.z * b;
   const Vec3d centre = x * h0 + y * h1 + h2;
   const double reach = kPatchRadius * (std::abs(h0.z) + std::abs(h1.z));
@@ -48,7 +48,7 @@ bool carried(const ImageF& other, const Transfer& transfer, const Vec3d& m, doub
   const float cx = float(centre.x), cy = float(centre.y), cz = float(centre.z);
   const float h0x = float(h0.x), h0y = float(h0.y), h0z = float(h0.z), h1x = float(h1.x), h1y = float(h1.y), h1z = float(h1.z);
   const float last_x = float(width) - 1.001f, last_y = float(height) - 1.001f;
-  // Three loops, because compilers vectorise arithmetic, but not the loads between.
+  // Three loops, because compilers vectorise the arithmetic but not the loads between.
   alignas(32) std::array<float, kPatchLanes> fu, fv;
   alignas(32) std::array<int, kPatchLanes> at;
   for (size_t i = 0; i < kPatchLanes; ++i) {

@@ -1,5 +1,5 @@
-// Rectangles that may be the things that masks mark, from two sources: quadrilaterals that the masks are, and planes through
-// sparse points about the masks.
+// Candidate rectangles for masks, from two sources: masks that are quadrilaterals, and planes through sparse points near the
+// masks.
 #pragma once
 
 #include <optional>
@@ -11,14 +11,13 @@
 
 namespace vitrine {
 
-// The four corners of a quadrilateral in one photo and of one in another are four points of space where the rays through them
-// meet; where these are the corners of a rectangle, it is a candidate. Those come first whose corners lie on those of
-// quadrilaterals in the most photos (at least three).
+// Triangulates the four corners of a quadrilateral in one photo with those of one in another. Four points that form a rectangle
+// are a candidate. Sorted by the number of photos (at least three) whose quadrilaterals have their corners there.
 std::vector<Plane> candidates_of_outlines(std::span<const Silhouette> masks, double least_share);
 
-// Planes by RANSAC (Fischler and Bolles 1981) of the points that project into the masks, or beside them, in most photos; on each
-// the rectangles of least area around what most photos show inside. A point inside weighs `inside_weight`, one beside it 1:
-// behind a mirror points are those of virtual images.
+// RANSAC planes (Fischler and Bolles 1981) of the sparse points that project into the masks, or next to them, in most photos; on
+// each, the smallest rectangles around the area that most photos show inside. A point inside has the weight `inside_weight`, one
+// next to a mask 1: points inside a mirror are virtual images.
 std::vector<Plane> candidates_of_points(std::span<const Silhouette> masks, std::span<const Vec3d> points, double inside_weight);
 
 }  // namespace vitrine

@@ -13,19 +13,19 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLeastPicture = 0.003;  // of a photo's pixels: smaller rectangles are not looked for
-constexpr size_t kFewestShowing = 4;     // photos with a piece of the mask
-constexpr double kLeastStart = 0.35;     // agreement of a start that is worth a search
+constexpr double kLeastPicture = 0.003;                                    // minimum rectangle size, of a photo's pixels
+constexpr size_t kFewestShowing = 4;                                       // photos with a mask component
+constexpr double kLeastStart = 0.35;                                       // minimum initial IoU of a candidate
 constexpr double kWideStep = 0.06, kMiddleStep = 0.008, kFineStep = 2e-4;  // of the diagonal; radians for angles
-constexpr int kLookAgain = 3;            // times: the pieces of the masks are those of the better rectangle
-constexpr double kThickness_rel = 0.1;   // of the rectangle's size: half the thickness of a box to begin with
-constexpr double kClearlyBetter = 0.02;  // in agreement
+constexpr int kLookAgain = 3;            // rounds: each selects the mask components of the improved rectangle
+constexpr double kThickness_rel = 0.1;   // of the rectangle's size: initial half thickness of the box
+constexpr double kClearlyBetter = 0.02;  // IoU difference
 constexpr size_t kFewestFromBehind = 2;
 constexpr size_t kMostPlaneFits = 12;
-constexpr double kWiden_px = 0.012;  // of the picture's longest side: pixels about an accepted rectangle are unknown
+constexpr double kWiden_px = 0.012;  // of the picture's longest side: margin around an accepted rectangle that becomes unknown
 constexpr std::array<size_t, 8> kPlaneNumbers{0, 1, 2, 3, 4, 5, 6, 7};
 
-// Sides 0 to 3 outwards; 4 to 6: turned about its axes; 7: away from `eye`, and so much larger that it looks the same from there.
+// Parameters 0 to 3 move sides outwards; 4 to 6 rotate about the axes; 7 moves away from `eye` and scales to the same image size.
 std::optional<Plane> moved_plane(const Plane& plane, size_t i, double step, const Vec3d& eye) {
   Plane out = plane;
   const double diagonal = 2 * std::hypot(plane.half.x, plane.half.y);
@@ -46,7 +46,7 @@ std::optional<Plane> moved_plane(const Plane& plane, size_t i, double step, cons
   return out;
 }
 
-// Pixels that show the rectangle, or lie next to it, become unknown.
+// Marks the pixels on and near the rectangle as unknown.
 void take_out(const Plane& plane, std::vector<Silhouette>& masks) {
   parallel_for(masks.size(), 1, [&](size_t v) {
     Silhouette& mask = masks[v];
@@ -62,7 +62,7 @@ void take_out(const Plane& plane, std::vector<Silhouette>& masks) {
   });
 }
 
-// A box with the rectangle as its middle agrees clearly better: the object is deep.
+// Whether a box centred on the rectangle has a clearly better IoU: the object has depth.
 bool is_deep(const PlaneFit& fit, std::span<const Silhouette> masks) {
   const PlaneMasks photos(masks, fit.plane);
   const Vec3d half{fit.plane.half.x, fit.plane.half.y, kThickness_rel * fit.plane.size()};
@@ -72,7 +72,7 @@ bool is_deep(const PlaneFit& fit, std::span<const Silhouette> masks) {
   return improve(score, kWideStep, kMiddleStep, box) > photos.agreement(fit.plane) + kClearlyBetter;
 }
 
-// Photos from behind see it as well, where it is: it hangs on no wall.
+// Whether photos from behind see it too, so that it does not hang on a wall.
 bool is_seen_from_behind(const Plane& plane, std::span<const Silhouette> masks) {
   Plane back = plane;
   back.axes = {plane.axes.c0, -plane.axes.c1, -plane.axes.c2};

@@ -1,6 +1,5 @@
-// The rectangles whose silhouettes the masks are: windows, pictures under glass, mirrors on walls. Seen from one side they have
-// no closed visual hull; but two photos of its corners fix a rectangle, and the silhouettes of all photos refine its eight
-// numbers.
+// Fits rectangles to masks: windows, pictures under glass, mirrors on walls. Seen from one side they have no closed visual hull,
+// but their corners in two photos define a rectangle, and the silhouettes of all photos refine its eight parameters.
 #pragma once
 
 #include <optional>
@@ -12,26 +11,26 @@
 
 namespace vitrine {
 
-// Measured: true ones behind things .915 and more; a ball .85, others that were tried .87.
+// Measured IoU: true rectangles behind occluders .915 and more; a ball .85, other false candidates .87.
 inline constexpr double kLeastPlaneAgreement = 0.9;
 
 struct PlaneFit {
   Plane plane;           // its front faces the cameras
-  double agreement = 0;  // intersection over union of silhouettes and masks: mean over the better three quarters of the photos
+  double agreement = 0;  // IoU of silhouettes and masks: mean over the best three quarters of the photos
 };
 
 struct PlaneFitDesc {
-  double inside_weight = 1;  // of a sparse point inside the masks; one beside them counts 1
+  double inside_weight = 1;  // weight of a sparse point inside the masks; one next to them has 1
   double least = kLeastPlaneAgreement;
-  bool one_sided = false;  // none that photos from behind see as well: those are of closed objects, or stand freely
+  bool one_sided = false;  // reject rectangles that photos from behind see equally well: closed objects, free-standing panels
 };
 
-// Those that agree to `least`, the best supported first; a ball is none, and no object that a box fits
-// clearly better. Pixels with mask < 0 do not count; a photo with
-// something in front of the rectangle is outvoted. `points`: sparse ones, may be none.
+// Rectangles with an IoU of at least `least`, the best supported first. Rejects balls and objects that a box fits clearly better.
+// Pixels with mask < 0 do not count; photos in which the rectangle is occluded are outliers. `points`: sparse points, may be
+// empty.
 std::vector<PlaneFit> fit_planes(std::span<const Silhouette> masks, std::span<const Vec3d> points, const PlaneFitDesc& desc);
 
-// The rectangle near `start` with the best agreement; nullopt where too few photos show it, or less than `least` agree.
+// Maximises the IoU from `start`; nullopt where too few photos show it, or the IoU stays below `least`.
 std::optional<PlaneFit> refined_plane(std::span<const Silhouette> masks, const Plane& start, double least);
 
 }  // namespace vitrine

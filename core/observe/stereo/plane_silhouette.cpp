@@ -10,12 +10,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kNearest_rel = 1e-3;     // of the rectangle's size: what is nearer to the camera is cut off
-constexpr double kLeastShown = 0.0006;    // of the picture: a photo that shows less tells nothing
-constexpr double kLeastKnown = 0.3;       // of the rectangle's pixels
-constexpr double kOwnPiece = 0.3;         // of a piece inside the rectangle: it is the rectangle's
-constexpr double kAbout = 1.5;            // times as large as the rectangle: what is farther off may be other things
-constexpr double kMostOfRectangle = 0.5;  // or of the rectangle inside the piece
+constexpr double kNearest_rel = 1e-3;     // of the rectangle's size: near clipping distance
+constexpr double kLeastShown = 0.0006;    // of the picture: minimum visible area
+constexpr double kLeastKnown = 0.3;       // minimum known share of the rectangle's pixels
+constexpr double kOwnPiece = 0.3;         // share of a component inside the rectangle from which it belongs to it
+constexpr double kAbout = 1.5;            // of the rectangle's size: pixels farther off may belong to other objects
+constexpr double kMostOfRectangle = 0.5;  // or share of the rectangle inside the component
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Where photos show a rectangle, and how its silhouettes agree with masks.
+// Silhouettes of a rectangle in photos, and their IoU with masks.
 #pragma once
 
 #include <array>
@@ -11,18 +11,17 @@
 
 namespace vitrine {
 
-// Corners in the order of a walk around it: counter-clockwise as seen from its front.
+// Corners, counter-clockwise as seen from the front.
 std::array<Vec3d, 4> corners_of(const Plane& plane);
 bool faces(const Plane& plane, const View& view);
-// The part of it in front of the camera.
+// The part of the rectangle in front of the camera.
 RowSpans spans_of_plane(const Plane& plane, const View& view);
 
-// The photos that tell something about a rectangle, with the pieces of their masks that may be its silhouettes.
+// The photos that constrain a rectangle, with the mask components that may be its silhouettes.
 class PlaneMasks {
  public:
-  // About `start`: a photo counts that looks at its front, has enough of it in the picture, and whose mask is known there for
-  // the most part. Pieces of the mask of which the start covers little, and pixels outside of a
-  // rectangle of 1.5 times its size, may be of other things: unknown.
+  // Selects the photos in front of `start` that see enough of it and whose mask is mostly known there. Mask components that the
+  // start covers only slightly, and pixels outside a rectangle of 1.5 times its size, may belong to other objects: unknown.
   PlaneMasks(std::span<const Silhouette> masks, const Plane& start);
   double agreement(const Plane& plane) const {
     return agreement([&](const View& view) { return faces(plane, view) ? spans_of_plane(plane, view) : RowSpans{}; });
@@ -33,8 +32,8 @@ class PlaneMasks {
     parallel_for(photos_.size(), 4, [&](size_t i) { each[i] = photos_[i].agreement(spans_in(photos_[i].view())); });
     return mean_of_better(std::move(each));
   }
-  size_t marked() const;                           // of the photos, that show a piece
-  double picture_share() const { return share_; }  // of the start, in the photos that show a piece: mean
+  size_t marked() const;                           // number of these photos with a component
+  double picture_share() const { return share_; }  // image share of `start`: mean over the photos with a component
   Vec3d mean_camera() const;
 
  private:

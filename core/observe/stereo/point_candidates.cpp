@@ -16,20 +16,20 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kBand = 0.035;      // of the picture's longest side: pixels so near to a mask are beside it
-constexpr double kMostPhotos = 0.6;  // of those that have a point in the picture
+constexpr double kBand = 0.035;      // of the picture's longest side: width of the band next to a mask
+constexpr double kMostPhotos = 0.6;  // of those that have the point in the picture
 constexpr size_t kFewestOfPlane = 3;
-constexpr int kTrials = 600;                // of RANSAC, for each plane
+constexpr int kTrials = 600;                // RANSAC trials per plane
 constexpr double kOnPointPlane_rel = 0.01;  // of the distance from the cameras' centre
-constexpr size_t kFewestOnPlane = 8;        // on a plane
+constexpr size_t kFewestOnPlane = 8;        // inliers of a plane
 constexpr size_t kMostPointPlanes = 4;
-constexpr int kGridCells = 96;        // along the longer side of what is looked at on a plane
-constexpr double kGridMargin = 0.5;   // of the extent of a plane's points, on each side
-constexpr double kInsideShare = 0.6;  // of the photos that look at a cell
+constexpr int kGridCells = 96;        // along the longer side of the grid on a plane
+constexpr double kGridMargin = 0.5;   // of the extent of the plane's inliers, on each side
+constexpr double kInsideShare = 0.6;  // of the photos that see a cell
 constexpr size_t kFewestCells = 24;
 constexpr uint64_t kPlaneSeed = 0x9a7e;
 
-// 2 inside the mask, 1 beside it, 0 elsewhere.
+// 2 inside the mask, 1 next to it, 0 elsewhere.
 std::vector<uint8_t> bands(const Silhouette& mask) {
   const int width = mask.value.width(), height = mask.value.height();
   const int reach = std::max(1, int(kBand * mask.view.intrinsics.longest_side()));
@@ -85,7 +85,7 @@ class PointPlanes {
  public:
   PointPlanes(std::vector<WeightedPoint> points, const Vec3d& eye) : points_(std::move(points)), eye_(eye) {}
 
-  // The plane with the most weight, and takes its points away.
+  // Returns the plane with the largest inlier weight and removes its inliers.
   std::optional<std::pair<PointPlane, std::vector<Vec3d>>> next(uint64_t number) {
     if (points_.size() < kFewestOnPlane) return std::nullopt;
     std::vector<PointPlane> trials(kTrials);
@@ -139,7 +139,7 @@ class PointPlanes {
   Vec3d eye_;
 };
 
-// The rectangle of least area around points of a plane: one of its sides lies on a side of their convex hull.
+// Minimum-area rectangle around points of a plane: one of its sides lies on a side of their convex hull.
 Plane least_rectangle(const Vec3d& origin, const Vec3d& u, const Vec3d& v, std::vector<Vec2d> points) {
   const std::vector<Vec2d> hull = convex_hull(std::move(points));
   Plane best;

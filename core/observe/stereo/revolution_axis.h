@@ -1,4 +1,4 @@
-// The axis that a solid of revolution is turned about, and the search for it: shared by the fits to masks and to photos.
+// Rotation axis of a solid of revolution and its pattern search, shared by the fits to masks and to photo edges.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 namespace vitrine {
 
 struct TurningAxis {
-  Vec3d origin, along, u, v;  // u, v: across it, orthonormal
+  Vec3d origin, along, u, v;  // u, v: perpendicular to it, orthonormal
 };
 inline TurningAxis turning_axis(const Vec3d& origin, double tilt_x, double tilt_y) {
   const Vec3d along = normalized(Vec3d{tilt_x, tilt_y, 1});
@@ -22,8 +22,8 @@ inline TurningAxis turning_axis(const Vec3d& origin, double tilt_x, double tilt_
 
 using AxisPlace = std::array<double, 4>;  // x and y of its origin, tilt towards x and y in radians
 
-// Moves the axis, its origin alone or, if all four `numbers` are free, its tilt, too, while `score` grows. Moves are of `size`
-// and of radians, `first_move` of them at first.
+// Pattern search over the axis that maximises `score`: its origin alone or, with all four `numbers`, its tilt as well. Steps
+// start at `first_move`, in units of `size` for the origin and in radians for the tilt.
 template <class Score>
 void improve_axis(double size, double first_move, double last_move, size_t numbers, const Score& score, AxisPlace& place) {
   static constexpr std::array<size_t, 4> kAll{0, 1, 2, 3};

@@ -15,21 +15,21 @@ namespace vitrine {
 namespace {
 
 constexpr int kEdgeHeights = 48;         // of the profile
-constexpr int kEdgeSteps = 20;           // radii that are tried on each side of a start
-constexpr double kEdgeReach = 0.125;     // of the largest radius: the furthest of them; halved after each round
-constexpr double kEdgeHalfWidth = 1.25;  // pixels: what lies so far on both sides of an edge is compared
-constexpr float kEdgeContrast = 0.15f;   // of three channels: half of what a clear edge counts
-constexpr double kEdgeBend = 0.004;      // what a step of the radius between two heights costs, in edges
-constexpr double kEdgeSteepest = 0.8;    // slope of radii over heights: beyond, rims of lids and feet are edges as well
-constexpr double kEdgeTouch = 0.98;      // nearly seen from above the rim is no silhouette
+constexpr int kEdgeSteps = 20;           // candidate radii on each side of a start
+constexpr double kEdgeReach = 0.125;     // search range, of the largest radius; halved after each round
+constexpr double kEdgeHalfWidth = 1.25;  // pixels: offset of the two samples on either side of an edge
+constexpr float kEdgeContrast = 0.15f;   // sum of three channels: contrast with edge strength one half
+constexpr double kEdgeBend = 0.004;      // smoothness cost per squared radius step between two heights, in edge strength
+constexpr double kEdgeSteepest = 0.8;    // maximum slope of radius over height: beyond it rims of lids and feet are edges too
+constexpr double kEdgeTouch = 0.98;      // maximum |cosine|: seen nearly from above the rim is no contour
 constexpr double kEdgeFirstMove = 0.05, kEdgeLastMove = 5e-4;  // of the largest radius; radians for the tilt
-constexpr int kEdgeRounds = 3;                                 // of radii and axis
-constexpr size_t kEdgeFewest = 10;                             // sides of photos that show a height
+constexpr int kEdgeRounds = 3;                                 // alternating fits of radii and axis
+constexpr size_t kEdgeFewest = 10;                             // minimum observations per height, two per photo
 
 using EdgeRadii = std::array<double, kEdgeHeights>;
-using EdgeRow = std::array<double, 2 * kEdgeSteps + 1>;  // strength at each radius that is tried
+using EdgeRow = std::array<double, 2 * kEdgeSteps + 1>;  // strength at each candidate radius
 
-// How much the photo changes across the silhouette at `p`, whose surface looks along `normal`; negative: it does not show it.
+// Normalised contrast across the silhouette at `p` with surface normal `normal`; negative: not visible.
 float edge_at(const EdgePhoto& photo, const Vec3d& p, const Vec3d& normal) {
   const Intrinsics& k = photo.view.intrinsics;
   const Vec3d q = photo.view.cam_from_world * p, n = photo.view.cam_from_world.rotation * normal;
@@ -51,7 +51,7 @@ class Edges {
   Edges(std::span<const EdgePhoto> photos, const EdgeRadii& start, double low, double step, double reach)
       : photos_(photos), start_(start), low_(low), step_(step), reach_(reach * *std::ranges::max_element(start)) {}
 
-  // The radii with most edge along them, and how much of it there is at a height, in the mean.
+  // The radii with the highest total edge strength; returns its mean per height.
   double best(const TurningAxis& axis, EdgeRadii& radii) const {
     std::array<EdgeRow, kEdgeHeights> rows;
     parallel_for(kEdgeHeights, 2, [&](size_t i) { rows[i] = row(axis, i); });
@@ -71,7 +71,7 @@ class Edges {
     const double total = sums.back()[size_t(k)];
     for (size_t i = kEdgeHeights; i-- > 0; k = before[i][size_t(k)]) {
       double peak = k;
-      if (k > 0 && k < 2 * kEdgeSteps) {  // of the parabola through three
+      if (k > 0 && k < 2 * kEdgeSteps) {  // vertex of the parabola through three samples
         const double a = rows[i][size_t(k - 1)], b = rows[i][size_t(k)], c = rows[i][size_t(k + 1)];
         if (2 * b - a - c > 1e-9) peak += std::clamp(0.5 * (c - a) / (2 * b - a - c), -0.5, 0.5);
       }
@@ -83,13 +83,13 @@ class Edges {
  private:
   double radius(size_t i, double k) const { return start_[i] + reach_ * (k - kEdgeSteps) / kEdgeSteps; }
 
-  // Edges at one height. A photo sees the rim of a disc as the silhouette where its line of sight touches the surface there.
+  // Edge strengths at one height. The contour of a disc's rim is where the line of sight touches the surface.
   EdgeRow row(const TurningAxis& axis, size_t i) const {
     EdgeRow sum{};
     std::array<size_t, 2 * kEdgeSteps + 1> count{};
     const size_t below = i == 0 ? i : i - 1, above = i + 1 == kEdgeHeights ? i : i + 1;
     const double slope = (start_[above] - start_[below]) / (step_ * double(above - below));
-    if (std::abs(slope) > kEdgeSteepest) return sum;  // nothing is said: moved as the heights beside it
+    if (std::abs(slope) > kEdgeSteepest) return sum;  // no estimate: moved with the neighbouring heights
     const Vec3d centre = axis.origin + (low_ + step_ * double(i)) * axis.along;
     for (const EdgePhoto& photo : photos_) {
       const Vec3d to_camera = photo.view.centre_in_world() - centre;
@@ -119,7 +119,7 @@ class Edges {
 }  // namespace
 
 SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<const EdgePhoto> photos) {
-  const std::span<const Vec2d> side = std::span(start.profile).subspan(1, start.profile.size() - 2);  // without its flat ends
+  const std::span<const Vec2d> side = std::span(start.profile).subspan(1, start.profile.size() - 2);  // without the flat ends
   if (2 * photos.size() < kEdgeFewest || start.profile.size() < 4) return start;
   EdgeRadii radii;
   const double first = side.front().y, step = (side.back().y - first) / (kEdgeHeights - 1);
@@ -129,7 +129,7 @@ SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<c
     while (j + 2 < side.size() && side[j + 1].y < height) ++j;
     radii[i] = side[j].x + (height - side[j].y) / (side[j + 1].y - side[j].y) * (side[j + 1].x - side[j].x);
   }
-  const double middle = 0.5 * (first + side.back().y), low = first - middle;  // of the axis: tilts turn about it
+  const double middle = 0.5 * (first + side.back().y), low = first - middle;  // midpoint of the axis, the centre of its rotations
   const Vec3d origin = start.origin + middle * start.axis;
   AxisPlace place{origin.x, origin.y, start.axis.x / start.axis.z, start.axis.y / start.axis.z};
   const auto axis = [&](const AxisPlace& p) { return turning_axis({p[0], p[1], origin.z}, p[2], p[3]); };

@@ -1,6 +1,6 @@
-// A solid of revolution, put on the edges of the photos. Masks that were found in the photos one by one leave its silhouette
-// where what it mirrors looks like what is behind it; but an silhouette is in all photos on the same curve, turned about the same
-// axis, and mirrored edges are not.
+// Fits a solid of revolution to photo edges. Masks found in each photo separately miss the silhouette where a mirror object
+// looks like its background. The silhouette lies in all photos on the same profile about the same axis; edges of reflections do
+// not.
 #pragma once
 
 #include <span>
@@ -10,9 +10,9 @@
 
 namespace vitrine {
 
-// `start` with the axis and the radii at which the photos together change most across its silhouette; `start` itself where fewer
-// than five photos show it. Radii move by less than a quarter of the largest one, and where the surface looks far up or down, as
-// on lids and feet, whose rims are edges as well, with those beside it.
+// `start` with the axis and the radii that maximise the contrast across its silhouette over all photos; `start` itself where
+// fewer than five photos show it. Radii move by less than a quarter of the largest one. Where the surface faces mostly up or
+// down, as on lids and feet, whose rims are edges as well, they move with the neighbouring radii.
 SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<const EdgePhoto> photos);
 
 }  // namespace vitrine

@@ -19,20 +19,20 @@ namespace vitrine {
 namespace {
 
 constexpr int kHeights = 48;            // of the profile
-constexpr int kMarch = 32, kHalve = 7;  // radii that are tried inwards, then halvings between two
-constexpr double kAgainst = 0.12;       // of the ends, that may say less at first: something in front
+constexpr int kMarch = 32, kHalve = 7;  // coarse radii tried inwards, then bisections
+constexpr double kAgainst = 0.12;       // quantile of the contour ends for the initial radius: tolerates occluders
 constexpr size_t kFewestPhotos = 3, kFewestEnds = 8;
-constexpr double kFirstMove = 0.06, kLastMove = 5e-4;       // of the bounds' diagonal; radians for the tilt
-constexpr int kRounds = 4;                                  // of contacts and radii, for one axis
-constexpr int kSmoothing = 4;                               // passes of 1 2 1 over the profile
-constexpr double kOutlier = 0.15;                           // of the largest radius: further off is an appendage, a handle
-constexpr double kOn = 2, kOnIt = 0.6;                      // voxels: the part of a piece of the hull that lies so near its solid
-constexpr double kTouching = 1.8;                           // voxels: cells that connect the points of a piece
+constexpr double kFirstMove = 0.06, kLastMove = 5e-4;  // of the bounds' diagonal; radians for the tilt
+constexpr int kRounds = 4;                             // alternating fits of contours and radii, for one axis
+constexpr int kSmoothing = 4;                          // passes of the filter 1 2 1 over the profile
+constexpr double kOutlier = 0.15;                      // of the largest radius: beyond it a handle or another appendage
+constexpr double kOn = 2, kOnIt = 0.6;  // voxels: distance to the solid; share of a hull component that must lie within it
+constexpr double kTouching = 1.8;       // voxels: maximum gap between connected points of a component
 constexpr size_t kSmallestPiece = 20, kFewestPoints = 200;  // of the surface: one part in; points
 
-using Profile = std::array<double, kHeights>;  // radii; 0 = nothing
+using Profile = std::array<double, kHeights>;  // radii; 0 = none
 
-// What the photos say about discs around an axis.
+// Fits discs around an axis to the silhouettes.
 class Rims {
  public:
   Rims(std::span<const Silhouette> masks, const Bounds3& about) : masks_(masks) {
@@ -42,7 +42,7 @@ class Rims {
   double height(size_t i) const { return half_height_ * (2.0 * double(i) / (kHeights - 1) - 1); }
   double step() const { return 2 * half_height_ / (kHeights - 1); }
 
-  // The widest discs whose left and right ends the photos allow.
+  // Initial radii: for each height the widest disc whose left and right ends lie in the masks.
   Profile widest(const TurningAxis& axis) const {
     Profile radii{};
     parallel_for(kHeights, 2, [&](size_t i) {
@@ -58,8 +58,8 @@ class Rims {
     return radii;
   }
 
-  // Moves the radii of `profile` to where most photos see the silhouette: a photo sees the rim of a disc as the silhouette where
-  // its line of sight touches the surface there. Returns the mean distance between the silhouettes and the solid.
+  // Moves the radii of `profile` to the median silhouette edge. The contour of a disc's rim is where the line of sight touches
+  // the surface. Returns the mean distance between the silhouettes and the solid.
   double fit(const TurningAxis& axis, Profile& profile) const {
     double mean = 0;
     for (int round = 0; round < kRounds; ++round) {
@@ -104,7 +104,7 @@ class Rims {
   }
 
  private:
-  static constexpr double kTouch = 0.98;  // nearly seen from above the rim is no silhouette
+  static constexpr double kTouch = 0.98;  // maximum |cosine|: seen nearly from above the rim is no contour
   struct Disc {
     Vec3d centre, u, v;
   };
@@ -113,13 +113,13 @@ class Rims {
     return std::atan2(dot(to_camera, disc.v), dot(to_camera, disc.u));
   }
 
-  // What the photo says about the place at a radius, in one direction.
+  // Coverage of the silhouette at the radius r in one direction.
   static float said(const Silhouette& m, const Disc& disc, const Vec3d& direction, double r) {
     const auto p = projection(disc.centre + r * direction, m.view, 1e-6);
     return p ? coverage_at(m.value, p->x, p->y) : -1;
   }
 
-  // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.
+  // The radius in that direction where the mask ends, the nearest to `from`; nullopt where the mask is unknown.
   std::optional<double> silhouette(const Silhouette& m, const Disc& disc, double angle, double from) const {
     const Vec3d direction = std::cos(angle) * disc.u + std::sin(angle) * disc.v;
     const double step = reach_ / kMarch;
@@ -175,7 +175,7 @@ std::optional<SurfaceOfRevolution> surface_for(std::span<const Silhouette> masks
       place);
   for (int i = 0; i < kRounds; ++i) rims.fit(axis(place), profile);
   profile = Rims::smooth(profile);
-  // The longest run of heights that have a disc.
+  // The longest run of heights with a disc.
   size_t first = 0, count = 0;
   for (size_t i = 0, run = 0; i < profile.size(); ++i) {
     run = profile[i] > 0 ? run + 1 : 0;
@@ -186,7 +186,7 @@ std::optional<SurfaceOfRevolution> surface_for(std::span<const Silhouette> masks
   return revolved(a.origin, a.along, rims.height(first), rims.step(), std::span(profile).subspan(first, count));
 }
 
-// Numbers of the points of each connected piece of a surface, larger than `least` points; points are a voxel apart.
+// Point indices of each connected component of a surface with more than `least` points; points are one voxel apart.
 std::vector<std::vector<size_t>> pieces(std::span<const ShapePoint> surface, double voxel, size_t least) {
   std::map<CellIndex, std::vector<size_t>> points;
   for (size_t i = 0; i < surface.size(); ++i) {

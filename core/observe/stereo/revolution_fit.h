@@ -1,6 +1,6 @@
-// Surfaces of revolution whose silhouettes the masks are. The profile curve about the axis follows from the silhouettes of all
-// photos at once, with normals as smooth as it is. A visual hull of the same masks is made of voxels and bulges between the
-// cones. Appendages and handles are no part of it.
+// Fits surfaces of revolution to masks. The profile about the axis follows from the silhouettes of all photos jointly and has
+// smooth normals; a visual hull of the same masks has voxel steps and bulges between the viewing cones. Handles and other
+// appendages are excluded.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace vitrine {
 
-// Of radii at equal heights along the axis, the first at `low`, with its two flat ends.
+// Surface from radii at equal steps along the axis, the first at `low`, with two flat ends.
 SurfaceOfRevolution revolved(const Vec3d& origin, const Vec3d& axis, double low, double step, std::span<const double> radii);
 
-// One for each connected piece of a hull that lies on it for the most part. Axes start along z. Unknown pixels (value < 0) do not
-// count, and a photo with something in front is outvoted.
+// One surface for each connected component of a visual hull that mostly lies on it. The axis search starts along z. Unknown
+// pixels (value < 0) do not count; photos in which the object is occluded are outliers.
 std::vector<SurfaceOfRevolution> surfaces_of_revolution(std::span<const Silhouette> silhouettes,
                                                         std::span<const ShapePoint> surface, double voxel);
 

@@ -11,13 +11,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kPointStep = 4, kCandidateStep = 12;  // pixels between the samples of a photo
-constexpr double kOnPlane = 0.012;                  // distance from a plane, relative to the depth, up to which a point is on it
-constexpr double kTurned = 0.8;                     // cosine between a point's normal and the plane's
+constexpr int kPointStep = 4, kCandidateStep = 12;  // sampling step in pixels
+constexpr double kOnPlane = 0.012;                  // maximum distance of an inlier, relative to its depth
+constexpr double kTurned = 0.8;                     // minimum cosine between the normals of an inlier and the plane
 constexpr size_t kMostPlanes = 12;
 constexpr double kLeastShare = 0.01;
 constexpr double kLevel = 0.94;        // cosine between a floor's normal and up (+z)
-constexpr double kBelowFloor = 0.005;  // of all samples: errors of stereo
+constexpr double kBelowFloor = 0.005;  // share of all samples below a floor: stereo errors
 
 struct Sample {
   Vec3d position, normal;
@@ -36,7 +36,7 @@ double support(const std::vector<Sample>& samples, const ScenePlane& plane) {
   return sum;
 }
 
-// Least squares over the samples on the plane; a point's distance counts relative to its depth.
+// Least squares over the inliers, with distances relative to the depth.
 ScenePlane refined(const std::vector<Sample>& samples, const ScenePlane& plane) {
   double sum = 0;
   Vec3d mean{};
@@ -104,7 +104,7 @@ std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::s
         const size_t i = map.index(x, y);
         if (!map.reliable(i)) continue;
         const double z = double(map.zdepth[i]);
-        // What many photos see counts once: each of them has a sample there.
+        // A surface that many photos see has a sample in each of them: each gets a smaller weight.
         samples.push_back({world_from_cam * (z * k.ray(x + 0.5, y + 0.5)), world_from_cam.rotation * cast<double>(map.normal[i]),
                            z, 1.0 / (1 + map.agreeing[i])});
         total += samples.back().weight;
@@ -139,7 +139,7 @@ std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::s
 namespace {
 
 constexpr int kFitRadius = 10;       // pixels
-constexpr double kSamePlane = 0.02;  // relative difference of inverse depth up to which a pixel lies on the plane
+constexpr double kSamePlane = 0.02;  // maximum relative difference of inverse depth for an inlier
 
 }  // namespace
 
@@ -148,7 +148,8 @@ InversePlane inverse_plane(const Intrinsics& k, const Vec3d& n, double offset) {
 }
 
 Vec3d normal_towards_camera(const Intrinsics& k, const InversePlane& plane) {
-  // n/d in the components of the ray: the camera is on the side where it is positive, so the normal towards it is its negative.
+  // The gradient of the inverse depth is n/d along the ray: positive in front of the camera, so the normal towards it is the
+  // negative.
   return -normalized(Vec3d{plane.a * k.fx, plane.b * k.fy, plane.c + plane.a * k.cx + plane.b * k.cy});
 }
 
@@ -171,7 +172,7 @@ InversePlane fitted_plane(const Intrinsics& k, const DepthMap& map, int x, int y
     const double mx = sx / count, my = sy / count, mw = sw / count;
     const double xx = sxx / count - mx * mx, xy = sxy / count - mx * my, yy = syy / count - my * my;
     const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 0.05 * xx * yy) || !(xx > 1) || !(yy > 1)) break;  // a strip does not fix a plane
+    if (!(determinant > 0.05 * xx * yy) || !(xx > 1) || !(yy > 1)) break;  // a strip of pixels leaves the plane underdetermined
     const double xw = sxw / count - mx * mw, yw = syw / count - my * mw;
     plane.a = (xw * yy - yw * xy) / determinant;
     plane.b = (yw * xx - xw * xy) / determinant;

@@ -23,17 +23,17 @@ FittedShapes fit_shapes(std::span<const Silhouette> silhouettes, const VisualHul
 
 namespace {
 
-constexpr double kFlank = 0.6;           // of the largest radius: farther in, photos from one height see no silhouette
+constexpr double kFlank = 0.6;           // of the largest radius: photos from one height see no contour closer to the axis
 constexpr size_t kFewestOnFlank = 8;     // points of the profile
-constexpr int kBallRounds = 4;           // of fits to the nearer three quarters
-constexpr double kRound = 0.02;          // of the radius: mean distance of these from the sphere
-constexpr double kBallAgreement = 0.92;  // intersection over union, of the photos' median
-constexpr double kAsGood = 0.01;         // what the sphere may lose of it
+constexpr int kBallRounds = 4;           // fits, each to the nearest three quarters of the points
+constexpr double kRound = 0.02;          // of the radius: maximum mean distance of these points from the sphere
+constexpr double kBallAgreement = 0.92;  // IoU, median over the photos
+constexpr double kAsGood = 0.01;         // maximum IoU loss of the sphere
 constexpr double kFewestPixels = 100;    // of a mask
 constexpr size_t kSegments = 96;
 
 struct Circle {
-  double height = 0, radius = 0;  // of the middle on the axis
+  double height = 0, radius = 0;  // of the centre on the axis
 };
 
 // (r, h) with r^2 + h^2 = 2 c h + (R^2 - c^2): linear in c and R^2 - c^2.
@@ -68,7 +68,7 @@ std::optional<Circle> circle_of_flank(const SurfaceOfRevolution& surface) {
   return circle;
 }
 
-// Intersection over union in the median photo.
+// Median IoU over the photos.
 double agreement(std::span<const Silhouette> silhouettes, const SurfaceOfRevolution& surface) {
   std::vector<double> of(silhouettes.size(), -1);
   parallel_for(silhouettes.size(), 1, [&](size_t v) {

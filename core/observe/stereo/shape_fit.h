@@ -1,4 +1,4 @@
-// The simple shapes whose silhouettes the photos show: of one class of masks, or of one object.
+// Fits a box or surfaces of revolution to the silhouettes of one mask class or one object.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,14 @@ namespace vitrine {
 
 struct FittedShapes {
   std::optional<BoxFit> box;                // else:
-  std::vector<SurfaceOfRevolution> solids;  // one for each connected piece of the hull that is one
+  std::vector<SurfaceOfRevolution> solids;  // one for each connected component of the visual hull that is one
 };
 FittedShapes fit_shapes(std::span<const Silhouette> silhouettes, const VisualHull& hull);
 
-// A ball among the surfaces of revolution. Photos from one height see no silhouette of its top and its foot, things in front hide
-// parts of it, and a profile that is free ends in cones there. A sphere has four numbers, which any part of it fixes.
-// The sphere through the flank of `surface`, about its axis, where most photos show it as well as `surface` itself; else nullopt.
+// Fits a sphere to a surface of revolution. Photos from one height see no contour of the top and the foot of a ball, occluders
+// hide parts of it, and a free profile ends in cones there; the four parameters of a sphere follow from any part of it. Returns
+// the sphere through the flank of `surface`, centred on its axis, where it matches most photos as well as `surface`; else
+// nullopt.
 std::optional<SurfaceOfRevolution> ball_of(std::span<const Silhouette> silhouettes, const SurfaceOfRevolution& surface);
 
 }  // namespace vitrine

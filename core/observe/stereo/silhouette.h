@@ -1,4 +1,4 @@
-// A silhouette: the pixels of a photo that show an object, as its camera sees them.
+// A silhouette: coverage of one object in one photo, with its camera.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ namespace vitrine {
 
 struct Silhouette {
   View view;     // intrinsics of the size of `value`
-  ImageF value;  // [h,w,1] coverage: at least one half = shows the object; negative = unknown
+  ImageF value;  // [h,w,1] coverage: at least one half = object; negative = unknown
 };
 
-// Coverage 0 or 1, [h,w] of the view.
+// From a binary mask [h,w] of the view; coverage is 0 or 1.
 Silhouette silhouette(const View& view, const std::vector<uint8_t>& inside);
 
-// Coverage between pixel centres, at (x, y) of the picture; negative where one of the four pixels is unknown or outside.
+// Bilinear coverage at (x, y) of the photo; negative where one of the four pixels is unknown or outside.
 float coverage_at(const ImageF& value, double x, double y);
 
 // 1 where meets(pixel, eye, direction of the pixel's ray), [h,w] of the view.
@@ -37,13 +37,13 @@ std::vector<uint8_t> mask_of_rays(const View& view, const Meets& meets) {
   return inside;
 }
 
-// That of a class of masks, as the masks stage leaves them (core/scene/camera/view_masks.h), in one photo, `size` pixels large;
-// nullopt: the class has no mask of it. Pixels of glass are unknown in the silhouettes of other classes: what they mark is seen
-// through it.
+// Silhouette of one mask class in one photo, from the files of the masks stage (core/scene/camera/view_masks.h), resized to
+// `size`; nullopt: the photo has no mask of the class. Glass pixels are unknown for the other classes, since their objects are
+// seen through it.
 std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo,
                                           const Intrinsics& size);
 
-// Some pixel shows an object.
+// Whether any pixel shows an object.
 bool marks_something(const Silhouette& silhouette);
 
 }  // namespace vitrine

@@ -10,7 +10,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kStereoNeighbours = 5;
-constexpr int kStereoRounds = 2;  // four find no better background
+constexpr int kStereoRounds = 2;  // four give no better background
 constexpr double kFarFactor = 2;
 constexpr uint64_t kSeed = 1;
 constexpr double kLeastReliable = 0.05;  // of all pixels

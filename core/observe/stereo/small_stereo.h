@@ -1,4 +1,4 @@
-// Small photos with stereo of all of them: what stands where, and the large planes.
+// PatchMatch stereo of all photos at a reduced size: depth maps and the large planes of the scene.
 #pragma once
 
 #include <span>
@@ -12,11 +12,11 @@ namespace vitrine {
 
 class SmallStereo {
  public:
-  // `photos`: of all views, without their gains; those without a picture take no part. PatchMatch of all the others: most of the
-  // time of what uses it.
+  // `photos`: of all views, with gains removed; views without a picture are skipped. Runs PatchMatch on all the others, which
+  // dominates the run time of the callers.
   SmallStereo(std::vector<EdgePhoto> photos, const ViewSet& set);
 
-  // Whether stereo found so little that no background can be predicted.
+  // Whether stereo found too little to predict a background.
   bool blind() const;
   std::span<const View> views() const { return views_; }
   Surroundings surroundings() const { return {.photos = photos_, .maps = maps_, .planes = planes_}; }

@@ -14,18 +14,18 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kCoarseSide = 320, kFineSide = 640;  // pixels: where edges are looked for in the plan; where boxes are put on them
+constexpr int kCoarseSide = 320, kFineSide = 640;  // pixels: photo size for the plan search; for the box fit
 constexpr size_t kMostEdges = 240, kMostPlans = 24, kFewestBoxPhotos = 8;
-constexpr double kLeastSide = 0.06, kMostAspect = 5;  // of the cameras' ring, which has the radius 1
-constexpr double kSameMiddle = 2, kSameLength = 3;    // cells: the diagonals of a rectangle
-constexpr double kWeakest = 0.45;                     // of the mean strength of four upright edges: three and a chance are no box
+constexpr double kLeastSide = 0.06, kMostAspect = 5;  // in radii of the camera ring
+constexpr double kSameMiddle = 2, kSameLength = 3;    // cells: tolerances for the diagonals of a rectangle
+constexpr double kWeakest = 0.45;  // of the mean strength of four vertical edges: rejects three edges and a chance one
 constexpr size_t kRimSteps = 320, kEdgeSamples = 24;
 constexpr double kRimBelow = 0.4,
-                 kRimAbove = 0.5;  // of the height of the upright edges: where the rim is looked for, about their ends
-constexpr double kEndsOut = 0.04;  // of an edge: corners belong to other edges as well
+                 kRimAbove = 0.5;  // of the height of the vertical edges: search range of the rim around their upper ends
+constexpr double kEndsOut = 0.04;  // of an edge's length, excluded at both ends: corners belong to other edges too
 constexpr double kBoxFirstMove = 0.01, kBoxLastMove = 2e-4;  // of the diagonal; radians
 
-// Of an edge from a to b: mean over photos and places; 0 where nobody sees it.
+// Mean edge strength along a segment from a to b, over photos and samples; 0 where no photo sees it.
 double edge_between(std::span<const EdgeField> fields, const Vec3d& a, const Vec3d& b) {
   double sum = 0;
   size_t seen = 0;
@@ -38,7 +38,7 @@ double edge_between(std::span<const EdgeField> fields, const Vec3d& a, const Vec
   return seen > 0 ? sum / double(seen) : 0;
 }
 
-// All around the box at a height along its third axis.
+// Mean edge strength around the box at a height along its third axis.
 double edge_around(std::span<const EdgeField> fields, const Box& box, double z) {
   const std::array<Vec3d, 4> corners{box.axes * Vec3d{box.low.x, box.low.y, z}, box.axes * Vec3d{box.high.x, box.low.y, z},
                                      box.axes * Vec3d{box.high.x, box.high.y, z}, box.axes * Vec3d{box.low.x, box.high.y, z}};
@@ -52,7 +52,7 @@ struct Rectangle {
   UprightEdges::Run run;
 };
 
-// Two pairs of places are the diagonals of a rectangle when they have one middle and one length.
+// Finds rectangles: two pairs of points with the same midpoint and the same length are the diagonals of one.
 std::vector<Rectangle> rectangles(const UprightEdges& upright, double least_posts) {
   const std::vector<UprightEdge> edges = upright.strongest(kMostEdges);
   const double cell = upright.cell();
@@ -85,7 +85,7 @@ std::vector<Rectangle> rectangles(const UprightEdges& upright, double least_post
   return found;
 }
 
-// As wide as the four corners are in the mean.
+// Box with the mean width of the four corners.
 Box box_on(const Rectangle& r) {
   const auto at = [&](size_t i) { return Vec3d{r.corners[i].x, r.corners[i].y, 0}; };
   const Vec3d middle = 0.25 * (at(0) + at(1) + at(2) + at(3)), s = 0.5 * (at(1) - at(0) + at(2) - at(3)),
@@ -99,7 +99,7 @@ Box box_on(const Rectangle& r) {
   return box;
 }
 
-// The height of the rim, and how far it stands out of other heights.
+// Height of the rim, and its strength relative to other heights.
 std::pair<double, double> rim_of(std::span<const EdgeField> fields, const Box& box, const Bounds3& about) {
   const double height = box.high.z - box.low.z, first = about.low.z,
                last = std::max(about.high.z, box.high.z) + kRimAbove * height;
@@ -119,7 +119,7 @@ std::pair<double, double> rim_of(std::span<const EdgeField> fields, const Box& b
   return {z(best), (edges[best] - middle) / sigma};
 }
 
-// To where there is most edge along its upright edges and, if asked, its rim. Its height is left to others.
+// Maximises the edge strength along the vertical edges and, if `rim`, the rim. Keeps the height of the foot.
 void draw_to_edges(std::span<const EdgeField> fields, bool rim, Box& box) {
   static constexpr std::array<size_t, 8> kNumbers{0, 1, 2, 3, 6, 7, 8, 5};
   improve(

@@ -9,9 +9,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
+constexpr double kNearShare = 0.6;  // near plane, as a factor of the nearest sparse point's depth
 constexpr double kFarPercentile = 0.98;
-// Without a single sparse point depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
+// Depth range without any sparse point: this factor around the camera radius, which is 1 in the scene frame.
 constexpr double kBlindDepthFactor = 4;
 
 }  // namespace

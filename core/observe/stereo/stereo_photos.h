@@ -1,4 +1,4 @@
-// What PatchMatch stereo has to know of each photo, from the poses and sparse points of a capture.
+// Input of PatchMatch stereo for each photo, from the poses and sparse points of a capture.
 #pragma once
 
 #include "core/scene/camera/view_set.h"
@@ -6,14 +6,14 @@
 
 namespace vitrine {
 
-// Depth of what has no parallax, in radii of the cameras: those of a ring see a thing there at most 1.1 degrees apart.
+// Depth of the far background, in radii of the camera ring: cameras of a ring see it at most 1.1 degrees apart.
 inline constexpr double kWithoutParallax = 100;
 
-// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge. [h,w,3] -> [h,w,1].
+// Luma of Rec. 709 on encoded values. [h,w,3] -> [h,w,1].
 ImageF luma_of_srgb(const ImageF& srgb);
 
 // Fills `hints`, `near_z` and `far_z` of the photos that have a picture, from the sparse points that they see: [view of `set`].
-// `far_factor`: times the depth of the farthest points.
+// `far_factor`: factor on the depth of the farthest points.
 void find_depth_ranges(const ViewSet& set, double far_factor, std::span<StereoPhoto> photos);
 
 }  // namespace vitrine

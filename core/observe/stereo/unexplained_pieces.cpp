@@ -14,17 +14,17 @@ namespace {
 
 constexpr int kVoxels = 128;  // along an edge of the cube
 constexpr double kHalfCube = 1.2;
-constexpr float kErrors[] = {1.7f, 1.4f, 1.1f};     // of what is not explained, at least
-constexpr float kContradictions[] = {0.08f, 0.2f};  // share of the photos, at most
-constexpr size_t kFewestVoxels = 200;  // smaller ones are parts of things, which gain nothing, or too small to matter
-constexpr double kSeenBy = 0.35, kUnexplainedBy = 0.3;  // of all photos, at least
+constexpr float kErrors[] = {1.7f, 1.4f, 1.1f};         // minimum error of an unexplained pixel
+constexpr float kContradictions[] = {0.08f, 0.2f};      // maximum share of contradicting photos
+constexpr size_t kFewestVoxels = 200;                   // smaller pieces are parts of objects or too small to matter
+constexpr double kSeenBy = 0.35, kUnexplainedBy = 0.3;  // minimum shares of all photos
 constexpr double kPastBy = 0.02;                        // of the depth
-constexpr double kNearestCamera = 0.02;                 // cameras nearer than that do not show a point
-constexpr double kSamePiece = 0.6;                      // intersection over union
+constexpr double kNearestCamera = 0.02;                 // minimum camera distance of a visible point
+constexpr double kSamePiece = 0.6;                      // IoU
 
 using Contradictions = std::array<VoxelGrid<float>, std::size(kErrors)>;
 
-// For each error, the share of the photos that contradict; 1 where too few say anything.
+// For each error threshold, the share of contradicting photos; 1 where too few photos see the voxel.
 Contradictions contradictions(std::span<const View> views, std::span<const Explanation> explained) {
   VoxelGrid<float> cube;
   cube.origin = {-kHalfCube, -kHalfCube, -kHalfCube};
@@ -58,7 +58,7 @@ Contradictions contradictions(std::span<const View> views, std::span<const Expla
   return shares;
 }
 
-// Of sorted voxels.
+// For sorted voxels.
 bool same_piece(const std::vector<size_t>& a, const std::vector<size_t>& b) {
   std::vector<size_t> both;
   std::ranges::set_intersection(a, b, std::back_inserter(both));

@@ -12,14 +12,14 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kLevels = 32, kMostCells = 480;
-constexpr double kPostSeenBy = 0.5;            // of the photos, and at least
-constexpr size_t kFewestPostPhotos = 6;        // so many
-constexpr int kPost = 1, kSurroundings = 18;   // cells: radii of what is an edge, and of what it must stand out of
-constexpr float kFurthest = 6, kNearest = -3;  // standard deviations that count: a level must not speak for all
-constexpr float kShows = 0.7f;                 // from so many on a level is one that an edge shows at
-constexpr int kApart = 2;                      // cells between two edges
+constexpr double kPostSeenBy = 0.5;            // minimum share of the photos that see a cell
+constexpr size_t kFewestPostPhotos = 6;        // and minimum number
+constexpr int kPost = 1, kSurroundings = 18;   // cells: radii of an edge, and of its surroundings
+constexpr float kFurthest = 6, kNearest = -3;  // clamp in standard deviations: one level must not dominate
+constexpr float kShows = 0.7f;                 // standard deviations from which an edge shows at a level
+constexpr int kApart = 2;                      // cells: minimum distance between two edges
 
-// Mean over squares of 2 radius + 1 cells of what is not negative.
+// Box mean with the given radius over the non-negative cells.
 std::vector<float> means(const std::vector<float>& plane, size_t nx, size_t ny, int radius) {
   const size_t stride = nx + 1;
   std::vector<double> sum(stride * (ny + 1), 0.0), count(sum);
@@ -45,7 +45,7 @@ std::vector<float> means(const std::vector<float>& plane, size_t nx, size_t ny, 
 }  // namespace
 
 UprightEdges::UprightEdges(std::span<const EdgeField> fields, const Bounds3& about) : low_(about.low) {
-  // A cell is what a pixel of the photos sees of the middle.
+  // A cell is the size of one pixel at the scene centre.
   const Vec3d centre = about.centre(), extent = about.high - about.low;
   std::vector<double> pixels;
   for (const EdgeField& f : fields) pixels.push_back(length(f.view().centre_in_world() - centre) / f.view().intrinsics.fx);

@@ -1,5 +1,5 @@
-// Where in the plan upright edges stand: every place and height of a scene is asked how much of an upright edge the photos see
-// there, and what stands out of its surroundings in the plan at many heights is an edge of a thing.
+// Detects vertical edges in the floor plan: for every plan cell and height, the edge strength over all photos; cells that exceed
+// their surroundings at many heights are edges of an object.
 #pragma once
 
 #include <span>
@@ -11,21 +11,21 @@ namespace vitrine {
 
 struct UprightEdge {
   double x = 0, y = 0;
-  double strength = 0;  // robust standard deviations out of the surroundings, summed over the levels where it shows
+  double strength = 0;  // robust standard deviations above the surroundings, summed over the levels where the edge shows
 };
 
 class UprightEdges {
  public:
   UprightEdges(std::span<const EdgeField> fields, const Bounds3& about);
 
-  // The strongest first, `most` of them.
+  // Strongest first, at most `most`.
   std::vector<UprightEdge> strongest(size_t most) const;
   struct Run {
     double low = 0, high = 0;  // heights
     double total = 0;          // mean strength between them
-    double weakest = 0;        // strength between them of the edge that has least of it
+    double weakest = 0;        // strength between them of the weakest edge
   };
-  // The heights between which these edges show together.
+  // The heights between which all these edges show.
   Run together(std::span<const UprightEdge> edges) const;
   double cell() const { return cell_; }
 
@@ -38,7 +38,8 @@ class UprightEdges {
   Vec3d low_;
   double cell_ = 0, step_ = 0;
   size_t nx_ = 0, ny_ = 0, levels_ = 0;
-  std::vector<float> votes_;  // [level, y, x] mean over the photos that show it, negative: too few do; then how far it stands out
+  // [level, y, x] mean over the photos that see the cell, negative: too few; after stand_out() the excess over the surroundings.
+  std::vector<float> votes_;
 };
 
 }  // namespace vitrine

@@ -13,12 +13,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLeastCosine = 0.35;  // of views of a place: at grazing angles a coat is a mirror
+constexpr double kLeastCosine = 0.35;  // between view direction and normal: at grazing angles a clear coat is a mirror
 constexpr size_t kFewestViews = 4, kFewestPlaces = 30;
-constexpr double kBlank = 0.01;                      // spread of photos that show nothing
+constexpr double kBlank = 0.01;                      // luminance spread of textureless photos
 constexpr Vec3d kLuminance{0.2126, 0.7152, 0.0722};  // Rec. 709
 
-// The standard deviation without the brightest and the darkest tenth of the values: one photo may show the highlight of a lamp.
+// Standard deviation without the brightest and darkest tenth of the values: one photo may show a highlight of a lamp.
 double trimmed_spread(std::vector<double>& values) {
   std::ranges::sort(values);
   const size_t out = values.size() / 10;

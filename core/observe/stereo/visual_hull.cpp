@@ -10,10 +10,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kCoarse = 48;            // first look at the whole cube
-constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
-constexpr int kBlurPasses = 3;         // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
-constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
+constexpr int kCoarse = 48;            // resolution of the coarse pass over the whole cube
+constexpr int kPadding = 4;            // voxels around the result, so that the blurred surface is closed
+constexpr int kBlurPasses = 3;         // of a 3-voxel box filter: approximates a Gaussian of sqrt(2/3 passes) voxels
+constexpr float kSurfaceLevel = 0.5f;  // occupancy at the surface
 
 VoxelGrid<uint8_t> grid_over(const Bounds3& bounds, int resolution, int padding) {
   const Vec3d extent = bounds.high - bounds.low;
@@ -24,7 +24,7 @@ VoxelGrid<uint8_t> grid_over(const Bounds3& bounds, int resolution, int padding)
   return grid;
 }
 
-// `slack` in voxels widens the silhouettes, so that a coarse grid loses nothing.
+// `slack` in voxels dilates the silhouettes, so that a coarse grid loses no voxels.
 void carve(const Carving& carving, std::span<const HalfSpace> within, double slack, VoxelGrid<uint8_t>& grid) {
   grid.each([&](int x, int y, int z) {
     const Vec3d p = grid.centre(x, y, z);
@@ -35,7 +35,7 @@ void carve(const Carving& carving, std::span<const HalfSpace> within, double sla
   });
 }
 
-// Leaves the largest part whose voxels share faces; of equally large ones the first.
+// Keeps the largest face-connected component; the first on a tie.
 void keep_largest(VoxelGrid<uint8_t>& grid) {
   const ConnectedComponents parts = connected_components(grid, [&](size_t i) { return grid.values[i] > 0; });
   const auto largest = std::ranges::max_element(parts.members, {}, &std::vector<size_t>::size) - parts.members.begin();

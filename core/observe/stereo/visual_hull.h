@@ -1,6 +1,6 @@
-// The visual hull of an object: what is left of space when every mask has cut away what it shows to be empty (Laurentini, "The
-// visual hull concept for silhouette-based image understanding", 1994). For glass and mirrors, whose pixels no stereo matches, it
-// is the only geometry that the photos give. It needs photos from around: seen from one side alone a hull is a cone to infinity.
+// Visual hull of an object: the intersection of its silhouette cones (Laurentini, "The visual hull concept for silhouette-based
+// image understanding", 1994). For glass and mirrors, where stereo finds no match, it is the only geometry from photos. It needs
+// photos from all around: seen from one side the hull is an unbounded cone.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +21,15 @@ struct HalfSpace {  // normal.X <= offset
 };
 
 struct HullDesc {
-  int resolution = 128;  // voxels along the longest side of what is left
+  int resolution = 128;  // voxels along the longest side of the result
   CarvingRule rule = {};
-  bool one_piece = false;              // keep the largest connected part: cones of few photos also meet where nothing is
-  double reach = 1.2;                  // half edge of the cube around the cameras' centre that is looked at
-  std::vector<HalfSpace> within = {};  // all that is looked at: a thing on a table is not below it
-  double most_one_sided = 0.8;         // length of the mean direction towards the cameras; 1 = all look from one place
+  bool one_piece = false;              // keep the largest connected component: cones of few photos also intersect in empty space
+  double reach = 1.2;                  // half edge of the searched cube around the cameras' centre
+  std::vector<HalfSpace> within = {};  // limits of the searched space: an object on a table is not below it
+  double most_one_sided = 0.8;  // limit on the length of the mean direction towards the cameras; 1 = all cameras in one direction
 };
 
-// Where a ray meets the hull; the normal is of unit length, in the world, against the ray.
+// Intersection of a ray with the hull; unit normal in the world, against the ray.
 struct HullHit {
   double t;
   Vec3d normal;
@@ -42,10 +42,10 @@ class VisualHull {
 
   bool empty() const { return grid_.values.empty(); }
   double one_sidedness() const { return one_sidedness_; }       // of the cameras, as seen from the hull
-  const Bounds3& bounds() const { return bounds_; }             // of what is left, without the room around it
+  const Bounds3& bounds() const { return bounds_; }             // of the occupied voxels, without margin
   double voxel() const { return grid_.cell; }                   // edge
   const VoxelGrid<uint8_t>& carved() const { return carved_; }  // 1 inside, before the blur
-  std::vector<ShapePoint> surface() const;                      // one for every voxel that it passes
+  std::vector<ShapePoint> surface() const;                      // one for every voxel on the surface
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
