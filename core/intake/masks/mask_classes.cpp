@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Words for the classes that people and neighbouring programs use.
+// Synonyms of the classes, as used by people and other programs.
 const std::map<std::string, MaskClass> kWords{
     {"foreground", MaskClass::Object},
     {"fg", MaskClass::Object},
@@ -60,11 +60,11 @@ const std::map<std::string, MaskClass> kWords{
     {"invalid", MaskClass::Ignore},
     {"remove", MaskClass::Ignore},
 };
-// Folders between the masks and their classes or photos, whose names say neither.
+// Generic folders between the masks and their classes or photos.
 const std::set<std::string> kContainers{"mask",  "masks",  "images", "image", "photos", "photo",  "frames",
                                         "input", "inputs", "rgb",    "png",   "output", "outputs"};
 
-// Without blanks at its ends, in lower case.
+// Trimmed and in lower case.
 std::string plain_word(const std::string& text) {
   const size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
   std::string word = begin == std::string::npos ? std::string() : text.substr(begin, end - begin + 1);
@@ -86,7 +86,7 @@ std::optional<MaskClassFolders::Place> MaskClassFolders::place(const fs::path& r
   bool first = true;
   for (const fs::path& part : relative.parent_path()) {
     const std::string word = plain_word(part.string());
-    // The outermost folder is a class whenever it is called so; deeper ones may be the photos'.
+    // The outermost folder with a class name is the class; deeper ones may belong to the photos.
     const auto named = kind || (!first && of_photos(word)) ? std::nullopt : mask_class(word);
     const bool container = kContainers.contains(word) && !of_photos(word);
     if (container && !kind) continue;

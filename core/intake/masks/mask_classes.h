@@ -1,6 +1,6 @@
-// The class of a file of masks by the folders that it lies in: masks/transparent/left/b.png is glass in the photo left/b. Folders
-// that the photos have, too, are no classes, and neither are those whose names say nothing ("masks", "images"). Any other folder
-// is a mistake that must not pass for masks of the object: `glass` is a word of the user's for `transparent`.
+// Derives the class of a mask file from its folders: masks/transparent/left/b.png is glass in the photo left/b. Folders that the
+// photos also have are no classes, nor are generic names ("masks", "images"). Any other folder is an error, so that it is not
+// read as masks of the object: users write `glass` for `transparent`.
 #pragma once
 
 #include <filesystem>
@@ -16,16 +16,16 @@ namespace vitrine {
 
 class MaskClassFolders {
  public:
-  // `photos`: their names with folders. Without any, a folder that is not like a class is taken for one that the photos have.
+  // `photos`: their names with folders. If empty, a folder unlike any class is assumed to be one of the photos'.
   MaskClassFolders(std::filesystem::path masks, MaskClass flat, const std::vector<std::string>& photos);
 
   struct Place {
     MaskClass kind;
-    std::filesystem::path name;  // below the folder of the class, as the photo lies below that of the photos
+    std::filesystem::path name;  // below the class folder, matching the photo's path below the photo folder
   };
-  // Of a file by its path below the masks; nullopt: an unknown folder, which throw_if_unknown() names.
+  // `relative`: path of a file below the masks; nullopt: an unknown folder, which throw_if_unknown() reports.
   std::optional<Place> place(const std::filesystem::path& relative);
-  // Throws Error{Input}, with the class that was probably meant.
+  // Throws Error{Input} with the class that was probably meant.
   void throw_if_unknown() const;
 
  private:
@@ -37,7 +37,7 @@ class MaskClassFolders {
   std::map<std::string, size_t> unknown_;  // folder, as written -> files
 };
 
-// The class that a word probably means: "glass", "Mirrors", "specualr".
+// The most likely class for a word: "glass", "Mirrors", "specualr".
 std::optional<MaskClass> probable_mask_class(const std::string& word);
 
 }  // namespace vitrine

@@ -22,18 +22,17 @@ const std::set<std::string> kMaskExtensions{".png", ".jpg", ".jpeg", ".tif", ".t
 
 bool is_picture(const fs::path& path) { return kMaskExtensions.contains(lowered(path.extension().string())); }
 
-// "left/b.jpg" -> "left/b", with the case of letters gone.
+// "left/b.jpg" -> "left/b", in lower case.
 std::string stem_key(const std::string& photo) { return lowered(fs::path(photo).replace_extension().generic_string()); }
 
-// Of a folder that holds photos and, by name and content, masks beside them: the masks, and the photo of each. Empty for all
-// others.
+// Maps each mask in a photo folder, detected by name and content, to its photo. Empty for other folders.
 std::map<std::string, std::string> masks_beside_photos(const fs::path& folder) {
   std::map<std::string, std::string> masks;
   try {
     for (const BesidePhoto& file : find_photos(folder).beside)
       if (file.role == PictureRole::Mask && !file.of.empty()) masks[file.source] = file.of;
   } catch (const Error& e) {
-    if (e.kind() != ErrorKind::Input) throw;  // no pictures at all
+    if (e.kind() != ErrorKind::Input) throw;  // the folder has no pictures
   }
   return masks;
 }
@@ -47,9 +46,9 @@ bool in_folder_of_masks(const fs::path& name) {
 
 std::string joined(const fs::path& folder, const std::string& base) { return lowered((folder / base).generic_string()); }
 
-// A file that a JSON file in `folder` names: the path as written; else, when that was written elsewhere
-// ("/home/me/set/masks/a.png", "C:\\set\\masks\\a.png"), its longest end below `folder`, with one folder at least. nullopt: it
-// does not exist. Never outside.
+// Resolves a file named by a JSON file in `folder`: the path as written; else, for a path from another machine
+// ("/home/me/set/masks/a.png", "C:\\set\\masks\\a.png"), its longest suffix below `folder` with at least one folder. nullopt: it
+// does not exist. Throws for a file outside `folder`.
 std::optional<fs::path> named_file(const fs::path& folder, const JsonAt& written) {
   std::string text = written.text();
   std::error_code ec;
@@ -67,8 +66,8 @@ std::optional<fs::path> named_file(const fs::path& folder, const JsonAt& written
   written.fail("'" + text + "' is not a path inside the folder of this file");
 }
 
-// Of files that may be the mask of one photo: one that says "mask" wins over one that only has the photo's name, which may be the
-// photo.
+// Selects one of several mask candidates of a photo: a name with "mask" takes precedence over the plain photo name, which may be
+// the photo itself.
 MaskFile one_of(const std::vector<MaskFile>& files, const std::string& photo) {
   for (std::string_view convention :
        {"mask_path", "<viewId>.png", "dynamic_mask_b.png", "b.mask.*", "b_mask.*", "b.jpg.png", "b.*"}) {
@@ -121,7 +120,7 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
                  .why = ec ? ec.message() : "it cannot be opened",
                  .hint = "check its permissions",
                  .code = "MASKS_UNREADABLE"});
-  // What programs say of their masks, first: folders of files that are named there are no classes.
+  // Read the mask lists of other programs first: folders of the files listed there are no classes.
   std::set<fs::path> scenes;
   for (const fs::path& name : listed.files) {
     const std::string extension = lowered(name.extension().string());
@@ -145,11 +144,11 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
     const fs::path file = path_ / name;
     if (!is_picture(file) || lowered(name.filename().string()) == "contact_sheet.png") continue;
     const auto photo = beside.find(name.generic_string());
-    // Among photos: a photo, or what else lies beside one.
+    // In a folder of photos, skip the photos and their other companions.
     if (!beside.empty() && photo == beside.end() && !in_folder_of_masks(name)) continue;
     const std::string top = lowered(name.begin()->string());
     if (name.has_parent_path() && (top == "colmap" || top == "confidence"))
-      continue;  // written by this program beside the classes
+      continue;  // written by this program next to the classes
     if (named.contains(file.lexically_normal())) continue;
     if (scenes.contains(name.parent_path())) {
       const auto kind = name.has_parent_path() ? mask_class(top) : std::nullopt;
@@ -179,7 +178,7 @@ void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relat
   const std::string base = relative.stem().string();
   const std::string low = lowered(base);
   constexpr std::string_view kDynamic = "dynamic_mask_";
-  // instant-ngp's masks mark what moves, whatever stands beside them.
+  // instant-ngp's masks mark moving objects, whatever lies next to them.
   if (low.starts_with(kDynamic)) {
     Index& index = classes_[static_cast<size_t>(kind == MaskClass::Object ? MaskClass::Ignore : kind)];
     ++index.files;
@@ -188,7 +187,7 @@ void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relat
   }
   Index& index = classes_[static_cast<size_t>(kind)];
   ++index.files;
-  // A photo may be called so itself: carnival_mask.jpg has the mask carnival_mask.png.
+  // The name may be that of a photo: carnival_mask.jpg has the mask carnival_mask.png.
   const bool is_photo = photo_stems_.contains(joined(folder, base)) || photo_stems_.contains(low);
   if (!is_photo)
     for (const NamedRole& role : roles_of_stem(base)) {
@@ -294,12 +293,12 @@ std::optional<MaskFile> MaskFolder::called_like(const Index& index, const std::s
   for (const auto& [map, key] : {std::pair{&index.by_name, full}, std::pair{&index.by_stem, stem},
                                  std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
     if (const auto found = map->find(key); found != map->end()) return one_of(found->second, photo);
-  // By file name alone, whatever the folder, where only one file has it.
+  // By unique file name in any folder.
   std::vector<MaskFile> anywhere;
   for (const auto& [map, wanted] : {std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
     for (const auto& [key, files] : *map)
       if (fs::path(key).filename().generic_string() == wanted)
-        for (const MaskFile& file : files)  // one file may stand under both keys
+        for (const MaskFile& file : files)  // a file may be listed under both keys
           if (std::none_of(anywhere.begin(), anywhere.end(), [&](const MaskFile& a) { return a.path == file.path; }))
             anywhere.push_back(file);
   if (anywhere.size() == 1) return anywhere[0];

@@ -1,15 +1,15 @@
-// Mask files as people and neighbouring programs leave them, found for a photo whatever they are called:
+// Finds the mask file of a photo under the naming conventions of other programs:
 //
 //   b.jpg.png             COLMAP, Brush
 //   b.png, b.*            nerfstudio, LichtFeld, Postshot, COLMAP's fall-back; or an alpha channel
 //   b_mask.*, mask_b.*    3DGRUT, ODM, openMVG; other words for it: core/intake/photos/picture_roles.h
 //   b.mask.*              OpenMVS (labels: 0 = no, everything else = yes), Brush
-//   dynamic_mask_b.png    instant-ngp: what is not black moves
-//   mask_path of a transforms.json           <viewId>.png beside a Meshroom .sfm file
+//   dynamic_mask_b.png    instant-ngp: pixels that are not black move
+//   mask_path of a transforms.json           <viewId>.png next to a Meshroom .sfm file
 //
-// below a folder per class (object/ transparent/ specular/ ignore/: mask_classes.h), or all in one folder, which then is the mask
-// of the object. The folder may be that of the photos, with masks beside them: the photos themselves are no masks then.
-// Values are as in the file: which of black and white means "belongs to the class" is the caller's to say (polarity).
+// in one folder per class (object/ transparent/ specular/ ignore/: mask_classes.h), or all in one folder, which then holds masks
+// of the object. The folder may be that of the photos, with masks next to them; the photos themselves are then no masks. Values
+// are as in the file: the caller sets whether black or white marks the class (polarity).
 #pragma once
 
 #include <array>
@@ -43,15 +43,15 @@ struct MaskFile {
 
 class MaskFolder {
  public:
-  // `path`: a folder, or a transforms.json. `flat`: the class of files that do not lie in the folder of a class. `photos`: the
-  // names of all photos, with folders. Throws Error{Input}: nothing there, or folders that are neither a class nor the photos'.
+  // `path`: a folder, or a transforms.json. `flat`: the class of files outside any class folder. `photos`: the names of all
+  // photos, with folders. Throws Error{Input}: no masks, or folders that are neither a class nor the photos'.
   explicit MaskFolder(const std::filesystem::path& path, MaskClass flat = MaskClass::Object,
                       const std::vector<std::string>& photos = {});
 
   const std::filesystem::path& path() const { return path_; }
   size_t file_count(MaskClass kind) const { return classes_[static_cast<size_t>(kind)].files; }
-  // The masks of photos by their names, "left/b.jpg": those that a list (transforms.json, Meshroom) names, else by path, else by
-  // file name where that is unique. Throws Error{Input} when two files claim a photo with equal right.
+  // Masks by photo name, "left/b.jpg": first from a list (transforms.json, Meshroom), else by path, else by unique file name.
+  // Throws Error{Input} when two files match a photo equally well.
   std::vector<std::optional<MaskFile>> match(MaskClass kind, std::span<const std::string> photos, Notes* notes = nullptr) const;
   std::optional<MaskFile> find(MaskClass kind, const std::string& photo) const;  // of one photo
   const Notes& notes() const { return notes_; }                                  // on the files
@@ -59,13 +59,13 @@ class MaskFolder {
  private:
   struct Index {
     size_t files = 0;
-    std::map<std::string, std::vector<MaskFile>> by_name, by_stem;  // keys without letter case
-    std::vector<std::string> listed_photos;                         // names in lists, and
+    std::map<std::string, std::vector<MaskFile>> by_name, by_stem;  // lower-case keys
+    std::vector<std::string> listed_photos;                         // photo names in lists, and
     std::vector<MaskFile> listed;                                   // their masks
     std::vector<std::filesystem::path> lists;                       // folders of the lists
   };
   void add_folder(MaskClass flat, const std::vector<std::string>& photos);
-  // `relative`: the file's name as that of a photo.
+  // `relative`: path of the file, to be compared with photo names.
   void add(MaskClass kind, const std::filesystem::path& file, const std::filesystem::path& relative);
   void add_beside(MaskClass kind, const std::filesystem::path& file, const std::string& photo);
   void add_transforms(MaskClass kind, const std::filesystem::path& json);
@@ -75,21 +75,21 @@ class MaskFolder {
   std::filesystem::path path_;
   Notes notes_;
   std::array<Index, kMaskClassCount> classes_;
-  std::set<std::string> photo_stems_;  // keys without letter case; with folders and without
+  std::set<std::string> photo_stems_;  // lower-case keys, with folders and without
 };
 
-// One channel in [0, 1]. Colour counts by its luma, an alpha channel that varies wins over colour, and a file of small whole
-// numbers is a file of labels. Throws Error{Input}: unreadable, or a colour photo.
+// One channel in [0, 1]. Colour is converted to luma; a varying alpha channel takes precedence over colour; a file of small
+// integers is a label map. Throws Error{Input}: unreadable, or a colour photo.
 ImageF read_mask(const MaskFile& file);
 
-// How masks of one class lie in their pictures, to tell a mask from its negative.
+// Statistics of the masks of one class, to detect inverted masks.
 struct MaskExtent {
-  double mean = 0, border = 0, centre = 0;  // of the mask; of its outermost twentieth; of the middle third
-  size_t masks = 0, empty = 0, full = 0;    // empty: black, but for noise; full: white, but for noise
-  void add(const ImageF& mask);             // running means
+  double mean = 0, border = 0, centre = 0;  // mean of the mask; of its outermost twentieth; of the middle third
+  size_t masks = 0, empty = 0, full = 0;    // empty: black up to noise; full: white up to noise
+  void add(const ImageF& mask);             // updates the running means
 };
-// What a mask marks is as a rule smaller than what it leaves, and leaves the border alone: true when both hold the other way
-// round. Only a suspicion: photos of a window may be window to the border.
+// A marked region is usually smaller than the rest and does not touch the border: true when both are reversed. Only a hint:
+// photos of a window may be glass up to the border.
 bool looks_inverted(const MaskExtent& extent);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// The pixels of a mask file, and how they lie in their picture.
+// Decodes mask files and computes their statistics.
 #include <algorithm>
 #include <set>
 
@@ -11,9 +11,9 @@ namespace vitrine {
 namespace {
 
 constexpr float kLabelLimit = 0.1f;      // 8-bit labels up to 25
-constexpr float kNothing = 0.02f;        // black with the noise of a JPEG
+constexpr float kNothing = 0.02f;        // black, up to JPEG noise
 constexpr float kGreyTolerance = 0.02f;  // JPEG noise between the channels of a grey picture
-constexpr double kColourShare = 0.02;    // of pixels: more colour than this is a photo
+constexpr double kColourShare = 0.02;    // of pixels: a picture with a larger coloured share is a photo
 
 }  // namespace
 
@@ -55,7 +55,7 @@ ImageF read_mask(const MaskFile& file) {
     highest = std::max(highest, v);
   }
   if (double(coloured) > kColourShare * double(pixels)) {
-    // Painted in one colour on black is a mask, too; a photo has many colours.
+    // One paint colour on black is a mask too; a photo has many colours.
     std::set<uint32_t> colours;
     for (size_t i = 0; i < pixels && colours.size() <= 8; ++i) {
       uint32_t packed = 0;

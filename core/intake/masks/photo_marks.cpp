@@ -16,11 +16,11 @@ namespace vitrine {
 
 namespace {
 
-// Twice the area of a triangle, positive where it turns clockwise on the screen.
+// Twice the signed area of a triangle, positive for clockwise order on the screen.
 double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-// Two sides that cross, each by its first corner; sides that only touch do not. They are taken by their left ends, so that most
-// pairs are never looked at.
+// First pair of crossing sides, each by its first corner; touching sides do not count. Sides are sorted by their left ends to
+// skip most pairs.
 std::optional<std::pair<size_t, size_t>> crossing_sides(const std::vector<Vec2d>& corners) {
   const size_t n = corners.size();
   const auto end = [&](size_t i) -> const Vec2d& { return corners[(i + 1) % n]; };

@@ -1,5 +1,5 @@
-// A region that the user marked in a photo, as YAML files of the user's have it: `photo: img_0002.jpg` with `box: [left, top,
-// right, bottom]` or `polygon: [[x, y], [x, y], [x, y]]`.
+// Parses user-marked regions of a photo from YAML: `photo: img_0002.jpg` with `box: [left, top, right, bottom]` or
+// `polygon: [[x, y], [x, y], [x, y]]`.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,21 @@
 
 namespace vitrine {
 
-// The view that the node names: its whole name, or a part of it that means one photo alone (core/foundation/config/photo_name_finder.h).
-// nullopt: complained.
+// The view named by the node: its full name, or a unique part of it (core/foundation/config/photo_name_finder.h). nullopt: an
+// error was reported.
 std::optional<size_t> marked_view(YamlReader& in, const YamlNode& name, std::span<const View> views);
 
-// Marks in photos from one side do not tell how far away a thing is: length of the mean direction from it towards their cameras,
-// that of two photos 20 degrees apart.
+// Upper limit on the length of the mean direction from an object towards the cameras of its marks: two photos 20 degrees apart.
+// Marks from one side do not constrain the object's distance.
 inline constexpr double kMostOneSided = 0.985;
 
 struct MarkedRegion {
-  std::vector<Vec2d> corners;  // in the pixels of the file; three or more
+  std::vector<Vec2d> corners;  // in pixels of the file; three or more
   bool box = false;
 };
-// A box that is none, an outline that crosses itself or encloses nothing: nullopt, complained at its corner.
+// nullopt for an invalid box, or an outline that crosses itself or has no area; the error is reported at its corner.
 std::optional<MarkedRegion> marked_region(YamlReader& in, const YamlNode& mark);
-// Where the file has that corner of the mark's region: what complaints about it point at.
+// The YAML node of that corner of the mark's region, for error positions.
 const YamlNode& corner_node(const YamlNode& mark, size_t corner);
 
 }  // namespace vitrine

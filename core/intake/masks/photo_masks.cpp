@@ -12,12 +12,12 @@ namespace vitrine {
 
 namespace {
 
-// The file is called like the photo, extension included: where the folder of photos is given for the masks, it is the photo.
+// Same file name as the photo, extension included: when the photo folder is given for the masks, the file is the photo itself.
 bool called_like_photo(const MaskFile& file, const std::string& photo) {
   return lowered(file.path.filename().string()) == lowered(std::filesystem::path(photo).filename().string());
 }
 
-// A mask, or nothing for a photo without an alpha channel that varies: it masks nothing.
+// Reads a mask; nullopt for a photo without a varying alpha channel.
 std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& photo) {
   try {
     return read_mask(file);
@@ -96,7 +96,7 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
   throw_if_interrupted();
   for (size_t i = 0; i < files_.size(); ++i)
     if (left_out[i]) files_[i].reset(), --matched_;
-  // Files that are the photo itself, without an alpha channel that varies, are no masks.
+  // Photos without a varying alpha channel are no masks.
   const auto photos_themselves = static_cast<size_t>(std::count(photo_itself.begin(), photo_itself.end(), 1));
   if (matched_ == 0 && photos_themselves > 0)
     throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),

@@ -1,7 +1,7 @@
-// The user's masks of one class for a list of photos: which file belongs to which photo, read with the right polarity, and
-// looked at before anything uses them. Whoever needs masks (features in sfm, the masks stage) refuses the same files for the same
-// reasons: no file called like a photo, another shape than the photo, a negative. Masks that mark nothing are a class that the
-// scene does not have, unless no other class has pixels: throw_all_black() is for the caller, who knows the others.
+// The user's masks of one class for a list of photos: matched to photos, read with the correct polarity, and validated. All
+// users of masks (features in sfm, the masks stage) reject the same files for the same reasons: no file name matches a photo, the
+// aspect ratio differs, the mask is inverted. Empty masks mean that the scene lacks the class, unless no class has pixels: the
+// caller, who has all classes, then calls throw_all_black().
 #pragma once
 
 #include <functional>
@@ -39,10 +39,9 @@ class PhotoMasks {
   const std::optional<MaskFile>& file(size_t photo) const { return files_[photo]; }
   ImageF at(size_t photo) const;  // of a photo with a mask; 1 = belongs to the class; size as in the file
   bool black_belongs() const { return black_belongs_; }
-  bool nothing() const {
-    return extent_.masks > 0 && extent_.empty == extent_.masks;
-  }  // no pixel of any photo belongs to the class
-  bool everything() const { return extent_.masks > 0 && extent_.full == extent_.masks; }  // every pixel of every mask does
+  // No pixel, or every pixel, of all masks belongs to the class.
+  bool nothing() const { return extent_.masks > 0 && extent_.empty == extent_.masks; }
+  bool everything() const { return extent_.masks > 0 && extent_.full == extent_.masks; }
   [[noreturn]] void throw_all_black() const;
   // "all masks of the class 'object' are black"
   std::string all_black_text() const;
@@ -60,21 +59,20 @@ class PhotoMasks {
   size_t matched_ = 0;
 };
 
-// The masks of one class by the photos' names alone. Throws Error{Input} when no photo has one; `off_setting` is how to do
-// without.
+// Matches the masks of one class by photo names alone. Throws Error{Input} when no photo has one; `off_setting`: the setting
+// that disables them.
 std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
                                                     const std::vector<std::string>& photos, const std::string& off_setting,
                                                     Notes* notes = nullptr);
 
-// What a run would refuse of masks by their names, before anything is computed: nothing there, folders that are no classes, no
-// file called like a photo. Returns sentences on photos without a mask. `photos`: as ingest calls them; `used`: classes that are
-// taken from files.
+// Checks mask names before a run: throws for no masks, folders that are no classes, no file that matches a photo. Returns
+// sentences on photos without a mask. `photos`: names from ingest; `used`: classes read from files.
 std::vector<std::string> check_mask_names(const std::filesystem::path& masks, MaskClass flat,
                                           const std::vector<std::string>& photos, std::span<const MaskClass> used = kMaskClasses);
 
 [[noreturn]] void throw_no_mask_file(const std::filesystem::path& masks);
 
-// Same picture at another size: sides in proportion, up to the rounding of one pixel of the smaller one.
+// Equal aspect ratio, up to one pixel of rounding in the smaller picture.
 bool same_shape(int width, int height, double other_width, double other_height);
 [[noreturn]] void throw_wrong_mask_size(const MaskFile& file, const ImageF& mask, int photo_width, int photo_height, bool turned);
 

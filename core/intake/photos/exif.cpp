@@ -16,7 +16,7 @@ const ExifEntry* entry_of(ExifData* data, ExifIfd ifd, ExifTag tag) {
   return e && e->data && e->components > 0 ? e : nullptr;
 }
 
-// The first value of a numeric entry; nullopt unless finite and positive, since every number we ask for is.
+// The first value of a numeric entry; nullopt unless finite and positive, as all requested fields must be.
 std::optional<double> positive(ExifData* data, ExifIfd ifd, ExifTag tag) {
   const ExifEntry* e = entry_of(data, ifd, tag);
   if (!e || e->size < exif_format_get_size(e->format)) return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<double> positive(ExifData* data, ExifIfd ifd, ExifTag tag) {
   return v > 0 ? std::optional(v) : std::nullopt;
 }
 
-// Printable ASCII without the padding that cameras add.
+// Printable ASCII without padding.
 std::string text(ExifData* data, ExifIfd ifd, ExifTag tag) {
   const ExifEntry* e = entry_of(data, ifd, tag);
   if (!e || e->format != EXIF_FORMAT_ASCII) return "";
@@ -78,7 +78,7 @@ Exif parse_exif(std::string_view block) {
   if (block.empty()) return exif;
   const ExifPtr data(exif_data_new(), &exif_data_unref);
   if (!data) return exif;
-  // Our reader wants the values as they stand; "fixing" would rewrite formats and drop entries.
+  // Keep the values as stored; "fixing" would rewrite formats and drop entries.
   exif_data_unset_option(data.get(), EXIF_DATA_OPTION_FOLLOW_SPECIFICATION);
   exif_data_load_data(data.get(), reinterpret_cast<const unsigned char*>(block.data()), static_cast<unsigned>(block.size()));
   ExifData* d = data.get();
@@ -104,13 +104,13 @@ Exif parse_exif(std::string_view block) {
 
 std::optional<Focal> focal_of(const Exif& exif, int width, int height) {
   const double longest = std::max(width, height), shortest = std::min(width, height);
-  // The camera's own picture, before anyone cropped or resized it. A crop that keeps one side whole is recognised, since the
-  // other side shrinks more.
+  // Size of the camera's original picture, before cropping or resizing. For a crop that keeps one side at full length, the other
+  // side shrinks more.
   const bool size_written = exif.pixel_x > 0 && exif.pixel_y > 0;
   const double camera_longest = size_written ? std::max(exif.pixel_x, exif.pixel_y) : longest;
   const double camera_shortest = size_written ? std::min(exif.pixel_x, exif.pixel_y) : shortest;
   const double scale = std::max(longest / camera_longest, shortest / camera_shortest);
-  // From a fisheye of 10 mm to a telescope: outside of it the field was filled with nonsense.
+  // From a fisheye of 10 mm to a telescope: values outside this range are invalid.
   const auto plausible = [&](double px) { return px > 0.25 * longest && px < 40 * longest; };
   if (exif.focal_35mm) {
     constexpr double kFilmDiagonalMm = 43.2666153;  // 36 mm x 24 mm
@@ -118,7 +118,7 @@ std::optional<Focal> focal_of(const Exif& exif, int width, int height) {
     if (plausible(px)) return Focal{px, "exif FocalLengthIn35mmFilm"};
   }
   if (exif.focal_mm && exif.pixels_per_mm) {
-    // Sensors are between a phone's front camera and a large-format back; nonsense in the fields falls outside.
+    // Sensor sizes range from a phone's front camera to a large-format back; invalid fields fall outside.
     const double sensor_mm = camera_longest / *exif.pixels_per_mm;
     const double px = *exif.focal_mm * *exif.pixels_per_mm * scale;
     if (sensor_mm > 2 && sensor_mm < 130 && plausible(px)) return Focal{px, "exif FocalLength and FocalPlaneXResolution"};

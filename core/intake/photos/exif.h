@@ -1,4 +1,4 @@
-// What a photo's EXIF block says, through libexif: orientation, focal length, exposure, camera, time.
+// EXIF metadata of a photo, read with libexif: orientation, focal length, exposure, camera, time.
 #pragma once
 
 #include <optional>
@@ -12,27 +12,26 @@ struct Exif {
   std::optional<double> focal_35mm;  // FocalLengthIn35mmFilm
   std::optional<double> focal_mm;
   std::optional<double> pixels_per_mm;  // FocalPlaneXResolution in its unit
-  double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = not said
+  double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = missing
   std::optional<double> exposure_s, f_number, iso;
   std::string camera, time;
-  int color_space = -1;          // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = not said
+  int color_space = -1;          // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = missing
   std::string interoperability;  // InteroperabilityIndex: "R98", "R03" (Adobe RGB), or empty
 };
 
-// `block` as exif_block returns it; damaged blocks give what could be read, an empty one the defaults.
+// `block`: from exif_block. Damaged blocks return the readable fields, an empty one the defaults.
 Exif parse_exif(std::string_view block);
 
 struct Focal {
-  double px;           // at the size asked for
-  std::string source;  // the EXIF fields it comes from
+  double px;           // at the requested size
+  std::string source;  // the EXIF fields used
 };
 // Focal length in pixels of a photo of width x height. The 35 mm equivalent compares diagonals (CIPA DCG-001):
-// f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm. Both at the size that EXIF names, then scaled to
-// this one; a crop that keeps one side whole is recognised. nullopt when unknown or not plausible.
+// f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm. Both are at the size stored in EXIF, then scaled to
+// this one; a crop that keeps one side at full length is detected. nullopt when unknown or implausible.
 std::optional<Focal> focal_of(const Exif& exif, int width, int height);
 
-// EV at ISO 100: log2(N^2 / t) - log2(S / 100). Two photos whose EV differs by 1 differ by a factor of 2 in scene radiance per
-// pixel value.
+// EV at ISO 100: log2(N^2 / t) - log2(S / 100). A difference of 1 EV is a factor of 2 in scene radiance per pixel value.
 std::optional<double> exposure_ev(const Exif& exif);
 
 }  // namespace vitrine

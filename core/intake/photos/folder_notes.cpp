@@ -1,4 +1,4 @@
-// What a folder of photos holds besides photos, in sentences: the same ones before a run (inspect) and during it (ingest).
+// User messages about a folder of photos, shared by inspect (before a run) and ingest (during it).
 #include "core/foundation/base/error.h"
 #include "core/intake/photos/photo_files.h"
 

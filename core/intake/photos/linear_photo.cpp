@@ -11,9 +11,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that are written
+constexpr float kHalfMax = 65504.0f;  // largest value in the written EXR files
 
-// Empty when it is the same everywhere: the rule for masks, too (core/intake/masks/mask_files.h).
+// Empty when constant, as for masks (core/intake/masks/mask_files.h).
 ImageF unless_flat(ImageF alpha) {
   const auto [low, high] = std::minmax_element(alpha.data().begin(), alpha.data().end());
   return alpha.empty() || !(*low < *high) ? ImageF() : std::move(alpha);

@@ -15,7 +15,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kThumbnail = 32;
-constexpr uint8_t kWhite = 253, kBlack = 2;  // JPEG leaves clipped pixels within two steps of the end
+constexpr uint8_t kWhite = 253, kBlack = 2;  // JPEG keeps clipped pixels within two steps of the range ends
 
 struct Plane {
   int width, height;
@@ -68,10 +68,10 @@ Slope slope_at(const Plane& p, int x, int y) {
 }
 
 void measure_blur(const Plane& grey, PhotoMeasures& out) {
-  constexpr double kFirst = 1, kSecond = 2;      // smoothings: the first tames noise, the second shows what an edge had
-  constexpr double kSlope = 1.0 / 3 + 1.0 / 12;  // variance of a central difference, two pixels wide, and of a pixel itself
+  constexpr double kFirst = 1, kSecond = 2;      // smoothings: the first suppresses noise, the second measures the edge width
+  constexpr double kSlope = 1.0 / 3 + 1.0 / 12;  // variance of a central difference, two pixels wide, and of the pixel footprint
   constexpr size_t kDirections = 4, kFewestEdges = 60;
-  constexpr float kNoise = 2.0f;       // of 255 per pixel: weaker slopes after the first smoothing are noise, or shading
+  constexpr float kNoise = 2.0f;       // of 255 per pixel: weaker slopes after the first smoothing are noise or shading
   constexpr double kStrongest = 0.25;  // of the edges of a direction: weak ones are textures, narrower than an edge
   const Plane fine = smoothed(grey, kFirst), coarse = smoothed(grey, kSecond);
   struct Edge {
@@ -106,12 +106,12 @@ void measure_blur(const Plane& grey, PhotoMeasures& out) {
     best = std::min(best.value_or(s), s);
   }
   if (!worst) return;
-  constexpr double kSharp = 0.5;  // below it a pixel's own size is what one sees
+  constexpr double kSharp = 0.5;  // lower bound of both blurs: below it the pixel size dominates
   out.blur_px = *worst;
   out.blur_ratio = std::max(*worst, kSharp) / std::max(*best, kSharp);
 }
 
-// Shi and Tomasi: a corner is where the smaller eigenvalue of the summed slope products is large.
+// Shi and Tomasi: a corner has a large smaller eigenvalue of the structure tensor.
 void measure_texture(const Plane& grey, PhotoMeasures& out) {
   constexpr int kCell = 16, kWindow = 4;
   constexpr float kCorner = 36.0f * kWindow * kWindow;  // slopes of six steps of 255 in both directions

@@ -19,13 +19,13 @@ namespace {
 
 constexpr size_t kLargestProfile = size_t(32) << 20;
 
-// Bytes of an ICC profile, or why they are not whole; neither: the file has none.
+// Bytes of an ICC profile, or why they are incomplete; both empty: no profile.
 struct Embedded {
   std::string bytes, problem;
   bool grey_picture = false;
 };
 
-// Segments of at most 64 kB carry their number, from 1, and how many there are. They may come in any order.
+// Each segment of at most 64 kB stores its number, from 1, and the total count. Segments may be in any order.
 Embedded jpeg_profile(std::string_view file, bool& four_channels) {
   constexpr std::string_view kName("ICC_PROFILE\0", 12);
   std::map<unsigned, std::string_view> parts;
@@ -86,7 +86,7 @@ Embedded inflated_profile(std::string_view chunk) {
   return out;
 }
 
-// Takes the profile when it can be used. Returns whether the file has one.
+// Uses the profile if valid. Returns whether the file has one.
 bool take_icc(const Embedded& embedded, PhotoColor& color) {
   if (embedded.bytes.empty() && embedded.problem.empty()) return false;
   IccProfile icc;
@@ -105,7 +105,7 @@ bool take_icc(const Embedded& embedded, PhotoColor& color) {
   return true;
 }
 
-// Returns whether EXIF names the colours.
+// Returns whether EXIF specifies the colour space.
 bool take_exif(const Exif& exif, PhotoColor& color) {
   constexpr int kSrgb = 1, kAdobeRgb = 2, kUncalibrated = 0xffff;
   if (exif.color_space == kSrgb) {
@@ -122,7 +122,7 @@ bool take_exif(const Exif& exif, PhotoColor& color) {
   return false;
 }
 
-// gAMA holds 100000 / gamma, cHRM eight numbers of 1/100000: white, red, green, blue.
+// gAMA stores 100000 / gamma, cHRM eight numbers of 1/100000: white, red, green, blue.
 struct PngColors {
   std::optional<Cicp> cicp;
   std::optional<std::string_view> icc;
@@ -158,7 +158,7 @@ PngColors png_colors(std::string_view file) {
   return out;
 }
 
-// Returns whether the chunks name the colours.
+// Returns whether the chunks specify the colour space.
 bool take_gamma(const PngColors& png, PhotoColor& color) {
   constexpr double kSrgb = 45455, kNear = 0.01, kLeast = 10000, kMost = 500000;
   if (png.gamma == 0) return false;
@@ -168,7 +168,7 @@ bool take_gamma(const PngColors& png, PhotoColor& color) {
     return false;
   }
   const Chromaticities primaries = png.primaries.value_or(kRec709);
-  // The value that stands for the curve of sRGB in files that have no sRGB chunk (PNG, 11.3.2.5).
+  // The value for the sRGB curve in files without an sRGB chunk (PNG, 11.3.2.5).
   const bool srgb_curve = std::abs(gamma / kSrgb - 1) < kNear;
   const bool linear = std::abs(gamma / 100000 - 1) < kNear;
   ColorProfile::Curve curve;
@@ -280,7 +280,7 @@ bool has_alpha(std::string_view bytes, PhotoFormat format) {
     found = !pages.pages.empty() && tiff_channels(pages.chosen()).alpha.has_value();
   }
   if (format == PhotoFormat::Exr) {
-    // Names end with a zero; 16 bytes follow each. A layer's name stands before a dot.
+    // Zero-terminated names, each followed by 16 bytes. A layer name precedes a dot.
     const std::string_view list = exr_attribute(bytes, "channels", "chlist");
     for (size_t at = 0; at < list.size() && !found;) {
       const size_t end = list.find('\0', at);
@@ -309,7 +309,8 @@ ColorFacts color_facts(const PhotoColor& color, bool varying_alpha) {
 
 std::vector<ColorNote> color_notes(std::span<const ColorFacts* const> photos) {
   std::vector<ColorNote> notes;
-  std::map<std::string, std::vector<size_t>> groups;  // primaries and curve; linear and sRGB pictures of Rec. 709 go together
+  // Grouped by primaries and curve; linear and sRGB pictures of Rec. 709 form one group.
+  std::map<std::string, std::vector<size_t>> groups;
   std::vector<size_t> problems, alpha;
   for (size_t i = 0; i < photos.size(); ++i) {
     if (!photos[i]) continue;

@@ -28,7 +28,7 @@ bool contains(const char* const (&list)[N], const std::string& word) {
               {.where = folder.string(), .why = why, .hint = "check the path and its permissions", .code = "PHOTOS_UNREADABLE"});
 }
 
-// Control characters and bytes that are no UTF-8 cannot travel through JSON and text lists; they become '_'.
+// Replaces control characters and invalid UTF-8 by '_', for JSON and text lists.
 std::string printable(const std::string& s) {
   std::string out;
   for (size_t i = 0; i < s.size();) {
@@ -98,7 +98,7 @@ void assign_names(std::vector<PhotoFile>& photos) {
       photo.stem = fmt::format("{}_{}", plain, extension.substr(1));
       if (n > 1) photo.stem += fmt::format("_{}", n);
     }
-    // The sfm stage writes an 8-bit picture under this name, which an .exr cannot be.
+    // The sfm stage writes an 8-bit picture under this name, for which .exr is not possible.
     if (lowered(extension) == ".exr") extension = ".png";
     photo.name = photo.stem + extension;
   }
@@ -121,7 +121,7 @@ PhotoHead read_photo_head(const fs::path& path) {
                  .aside = std::move(file.aside),
                  .color = {},
                  .alpha = has_alpha(bytes, file.probe.format)};
-  if (file.probe.format == PhotoFormat::Tiff) head.exif.orientation = file.probe.orientation;  // of the page that is read
+  if (file.probe.format == PhotoFormat::Tiff) head.exif.orientation = file.probe.orientation;  // of the selected page
   head.color = color_of(bytes, head.probe, head.exif);
   if (!head.color.refusal.empty()) throw_unusable(head.color.refusal);
   return head;

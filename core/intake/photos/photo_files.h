@@ -1,4 +1,4 @@
-// The photos of a folder: which files are photographs, in which order, and what they are called from here on.
+// Lists the photos of a folder: which files are photographs, their order and their names in all later stages.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct PhotoFile {
   std::string name, stem;  // unique (core/intake/photos/photo_list.h)
 };
 
-// A picture that belongs to a photo and is none.
+// A picture that belongs to a photo but is no photo itself.
 struct BesidePhoto {
   std::filesystem::path path;
   std::string source;  // below the folder, with '/'
@@ -29,7 +29,7 @@ struct BesidePhoto {
   std::string of;  // the photo's source; empty: all photos in its folder
 };
 
-// A second set of the same photos that is left out, because it is of about the same size as the one that is used.
+// A second set of the same photos, left out because its size is about that of the set used.
 struct SecondSet {
   std::string used, left_out;  // folders
   size_t photos = 0;
@@ -38,44 +38,44 @@ struct SecondSet {
 struct PhotoFolder {
   std::filesystem::path folder;
   std::vector<PhotoFile> photos;          // sorted by source, byte order
-  std::map<std::string, size_t> skipped;  // lower-case extension ("" = none) -> files that are no photo we read
+  std::map<std::string, size_t> skipped;  // lower-case extension ("" = none) -> files that are no supported photo
   std::vector<BesidePhoto> beside;        // sorted by source
-  std::vector<std::string> like_photos;   // called like a mask, ... of another picture, and a photo by their content
+  std::vector<std::string> like_photos;   // named like a mask, ... of another picture, but a photo by content
   std::vector<SecondSet> second_sets;
-  FolderFiles listed;  // links, closed folders, junk; without its files
+  FolderFiles listed;  // links, unreadable folders, junk; without its files
 };
 
-// Sub-folders are searched, and linked ones. Throws Error{Input} when the folder is missing, unreadable or holds no photo.
+// Searches sub-folders and linked folders. Throws Error{Input} when the folder is missing, unreadable or contains no photo.
 PhotoFolder find_photos(const std::filesystem::path& folder);
 
-// What a user should know of a folder of photos.
+// Message to the user about a folder of photos.
 struct FolderNote {
   std::string code;      // "MASKS_BESIDE_PHOTOS"
-  bool warning = false;  // something is left out that may be missed; else what is left out is no photo
+  bool warning = false;  // a left-out file may be missed; else the left-out files are no photos
   std::string what, why, hint;
   std::string sentence() const { return what + (why.empty() ? "" : " (" + why + ")") + ": " + hint; }
 };
 std::vector<FolderNote> notes_of(const PhotoFolder& folder);
 
-// Gives every photo its name and stem. `photos` is sorted by source.
+// Assigns a name and stem to every photo. `photos` is sorted by source.
 void assign_names(std::vector<PhotoFile>& photos);
 
-// What is known of a photo before its pixels are decoded.
+// Metadata of a photo, read without decoding pixels.
 struct PhotoHead {
   Probe probe;
   Exif exif;
   Digest digest;                   // of the file's bytes
-  std::vector<std::string> notes;  // what is left out or assumed, and what is beside the picture (core/scene/image/picture_file.h)
+  std::vector<std::string> notes;  // omissions, assumptions, and data next to the picture (core/scene/image/picture_file.h)
   std::string aside;
   PhotoColor color;
   bool alpha = false;  // the file has an alpha channel
 };
-// Throws Error{Input} when the file is empty, truncated, of a kind we do not read, too large, or has colours of print.
+// Throws Error{Input} when the file is empty, truncated, unsupported, too large, or in print colours.
 PhotoHead read_photo_head(const std::filesystem::path& path);
 
 // "3 x .cr2, 1 x .txt"
 std::string skipped_text(const PhotoFolder& folder);
-// Files that hold photographs or video in a form this build does not read.
+// Files that contain photographs or video in an unsupported format.
 size_t skipped_photo_like(const PhotoFolder& folder);
 
 }  // namespace vitrine

@@ -51,7 +51,7 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       constexpr int kMaxSide = 1 << 20;
       for (int side : {p.width, p.height, p.original_width, p.original_height})
         if (side <= 0 || side > kMaxSide) throw_bad_json(path, kPhotoListFormat, "photo '" + p.name + "' has no size");
-      // Files of later stages are called so.
+      // Names of files of later stages.
       if (!stays_below(p.name) || !stays_below(p.stem))
         throw_bad_json(path, kPhotoListFormat, "the name '" + p.name + "' is not a path inside a folder");
       photos.push_back(std::move(p));

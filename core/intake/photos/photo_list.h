@@ -1,4 +1,4 @@
-// ingest/photos.json: the photos of a capture as the ingest stage left them, sorted by name.
+// Reads and writes ingest/photos.json: the photos of a capture after ingest, sorted by name.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 namespace vitrine {
 
 struct Photo {
-  // Unique path of the photo from here on, "left/IMG_0001.JPG": as the user has it, except that an .exr is called .png and that
-  // a second photo of the same stem gets its extension into the stem (a.jpg, a.png -> a.jpg, a_png.png).
+  // Unique path of the photo in all later stages, "left/IMG_0001.JPG": the user's path, except that .exr becomes .png and a
+  // second photo of the same stem gets its extension appended to the stem (a.jpg, a.png -> a.jpg, a_png.png).
   std::string name;
   std::string stem;                             // name without extension, unique: ingest/linear/<stem>.exr, ingest/ldr/<stem>.png
   std::string source;                           // path below the user's photo folder
@@ -22,8 +22,8 @@ struct Photo {
   std::optional<double> exposure_ev;  // log2(N^2 / (t S/100)): the scene luminance this photo was exposed for
   std::string camera;                 // maker and model, or empty
   std::string time;                   // EXIF DateTimeOriginal, "YYYY:MM:DD HH:MM:SS", or empty
-  std::string color_profile;          // "sRGB", "Display P3", "linear Rec. 709": what the file's numbers stood for
-  std::string color_source;           // what said so: "icc", "exif ColorSpace", "png cICP", "float linear", "assumed sRGB", ...
+  std::string color_profile;          // "sRGB", "Display P3", "linear Rec. 709": colour space of the file
+  std::string color_source;           // its source: "icc", "exif ColorSpace", "png cICP", "float linear", "assumed sRGB", ...
   bool operator==(const Photo&) const = default;
 };
 

@@ -21,15 +21,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float kGreyTolerance = 0.03f;  // noise of a JPEG between the channels of a grey picture
-constexpr double kColourShare = 0.02;    // of pixels: more colour than this is no grey picture
+constexpr float kGreyTolerance = 0.03f;  // JPEG noise between the channels of a grey picture
+constexpr double kColourShare = 0.02;    // of pixels: a picture with a larger coloured share is not grey
 constexpr float kLabelLimit = 0.1f;      // 8-bit labels up to 25
-constexpr int kReach = 6;                // levels around a level that a JPEG spreads it over
-constexpr double kFewLevels = 0.9;       // of the pixels of a mask are of its two commonest levels
-constexpr double kEnds = 0.75;           // or near its ends: soft outlines are in between
+constexpr int kReach = 6;                // levels to either side over which JPEG spreads a level
+constexpr double kFewLevels = 0.9;       // minimum share of a mask's pixels in its two most common levels
+constexpr double kEnds = 0.75;           // or near its two ends: soft outlines are in between
 constexpr size_t kFewColours = 32;       // labels or painted parts; a photo has thousands
-constexpr double kBothShare = 0.001;     // of pixels: less is no class
-constexpr size_t kHeadBytes = 1 << 18;   // EXIF with a thumbnail ends well before
+constexpr double kBothShare = 0.001;     // of pixels: a smaller share is no class
+constexpr size_t kHeadBytes = 1 << 18;   // larger than EXIF with a thumbnail
 
 PictureHead head_of(const fs::path& path) {
   std::string bytes(kHeadBytes, '\0');
@@ -37,12 +37,12 @@ PictureHead head_of(const fs::path& path) {
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   Probe probe = probe_photo(bytes);
-  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
+  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories are often at the end of the file
   PictureHead head{
       .format = probe.format, .width = double(probe.width), .height = double(probe.height), .orientation = probe.orientation};
   if (probe.format == PhotoFormat::Jpeg || probe.format == PhotoFormat::Png)
     head.orientation = parse_exif(exif_block(bytes)).orientation;
-  constexpr size_t kBitDepthAt = 24, kColourTypeAt = 25;  // in the header of a PNG, which comes first
+  constexpr size_t kBitDepthAt = 24, kColourTypeAt = 25;  // byte offsets in a PNG header
   if (probe.format == PhotoFormat::Png && bytes.size() > kColourTypeAt) {
     head.bits = static_cast<unsigned char>(bytes[kBitDepthAt]);
     head.grey = bytes[kColourTypeAt] == 0;
@@ -112,7 +112,7 @@ bool few_colours(const ImageF& image) {
   return colours.size() <= kFewColours;
 }
 
-// Small, upright: its thumbnail is what counts.
+// Small and upright, for thumbnails.
 PhotoMeasures small_measures(const fs::path& path, const PictureHead& head) {
   if (head.format == PhotoFormat::Exr) return measured(srgb8_from_linear(read_exr_rgb(path)));
   constexpr double kEnough = 200;  // pixels of the longest side
@@ -131,7 +131,7 @@ PhotoMeasures small_measures(const fs::path& path, const PictureHead& head) {
 }  // namespace
 
 bool looks_like_mask(const fs::path& path, const MaskLook& look) {
-  // Hundreds of masks of many pixels take long to decode, and no photograph is a PNG of a tenth of a byte per pixel.
+  // Decoding hundreds of large masks is slow, and no photograph is a PNG of a tenth of a byte per pixel.
   if (const PictureHead head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
     constexpr double kPlain = 0.1;
     std::error_code ec;
@@ -153,7 +153,7 @@ bool looks_like_mask(const fs::path& path, const MaskLook& look) {
 
 bool looks_like_depth(const fs::path& path, const fs::path& photo) {
   const PictureHead head = head_of(path), beside = head_of(photo);
-  // Nobody takes photographs as EXR beside those that a camera writes; and many depth maps have a channel Z alone.
+  // An EXR next to photos in a camera format is no photograph; many depth maps have only a channel Z.
   if (head.format == PhotoFormat::Exr && beside.format != PhotoFormat::Exr) return true;
   constexpr int kManyBits = 16;
   if (head.grey && head.bits == kManyBits && !(beside.grey && beside.bits == kManyBits)) return true;
@@ -185,11 +185,11 @@ bool looks_like_normals(const fs::path& path) {
       const auto is_unit = [&](float l) { return l > kLow && l < kHigh; };
       const float spread = std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]});
       if (spread < kGreyTolerance)
-        ++none;  // black, grey or white: no normal there
+        ++none;  // black, grey or white: no normal
       else
         unit += is_unit(length(2, 1)) || (exr && is_unit(length(1, 0)));
     }
-    constexpr size_t kLeast = 20;  // one pixel in so many has a normal at least
+    constexpr size_t kLeast = 20;  // at least one pixel in so many has a normal
     return unit * kLeast > map.pixel_count() && double(unit) >= kShare * double(map.pixel_count() - none);
   });
 }
@@ -200,14 +200,14 @@ const PictureHead& CopyFinder::head(const fs::path& path) {
 }
 
 bool CopyFinder::looks_like_copy(const fs::path& copy, const fs::path& of, bool shrunk) {
-  // Thumbnails of copies of 80 x 60 pixels agree to 0.994, of larger ones to 0.9995; of the next photo of a rig to less than
+  // Correlation of thumbnails: copies of 80 x 60 pixels reach 0.994, larger ones 0.9995; neighbouring photos of a rig stay below
   // 0.97.
   constexpr double kShrunk = 1.4, kAlike = 0.985, kMuchAlike = 0.6;
   const PictureHead &small = head(copy), &large = head(of);
   if (small.width < 1 || large.width < 1) return false;
   const double across = large.width / small.width, down = large.height / small.height;
   if (shrunk) {
-    // Rounding of the small sides, up or down.
+    // Sides of the reduced picture may be rounded up or down.
     const bool proportional =
         std::abs(large.height - across * small.height) <= across + 1 || std::abs(large.width - down * small.width) <= down + 1;
     if (across < kShrunk || !proportional) return false;

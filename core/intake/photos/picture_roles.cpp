@@ -13,7 +13,7 @@ struct Word {
   std::string_view text;
   PictureRole role;
 };
-// Longer words before those that they end with.
+// Longer words before their suffixes.
 constexpr Word kWords[] = {
     {"dynamic_mask", PictureRole::Mask}, {"segmentation", PictureRole::Mask}, {"silhouette", PictureRole::Mask},
     {"masked", PictureRole::Mask},       {"masks", PictureRole::Mask},        {"mask", PictureRole::Mask},
@@ -47,14 +47,14 @@ constexpr Word kFolders[] = {
 constexpr std::string_view kPhotoWords[] = {"rgb", "rgba",  "color", "colour",   "image",
                                             "img", "photo", "frame", "original", "raw"};
 
-// Classes of masks, and words for them.
+// Mask classes and their synonyms.
 constexpr std::string_view kClassFolders[] = {"object", "transparent", "specular", "ignore", "foreground", "background",
                                               "fg",     "bg",          "glass",    "mirror", "mirrors",    "dynamic"};
 
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Joined without a separator where the word is plain enough: "mask0001", "IMG_7mask".
+// Words that may join without a separator: "mask0001", "IMG_7mask".
 bool joins(const Word& word, char neighbour) {
   return is_separator(neighbour) || word.text == "mask" || word.text == "masks" || word.text == "depth";
 }
@@ -91,7 +91,7 @@ std::vector<NamedRole> roles_of_stem(const std::string& stem) {
       if (!of.empty()) roles.push_back({word.role, std::string(of)});
       break;
     }
-    if (without_number(low).size() == low.size()) break;  // there is no number to leave out
+    if (without_number(low).size() == low.size()) break;  // no number to remove
   }
   for (const Word& word : kWords) {
     const size_t size = word.text.size();

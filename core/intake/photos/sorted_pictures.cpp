@@ -17,7 +17,7 @@ namespace {
 
 using Parts = std::vector<std::string>;
 
-constexpr size_t kSamples = 5;  // pictures that are compared to tell a folder of copies
+constexpr size_t kSamples = 5;  // pictures compared to detect a folder of copies
 
 template <class T>
 std::vector<T> spread_samples(const std::vector<T>& all) {
@@ -27,11 +27,11 @@ std::vector<T> spread_samples(const std::vector<T>& all) {
   return samples;
 }
 
-// A picture's source in lower case, in the pieces that names are compared by.
+// Path of a picture in lower case, split into the parts used for matching.
 struct Picture {
   Parts folders;
   std::string file, stem;     // "b.jpg", "b"
-  size_t role_at = SIZE_MAX;  // the outermost folder that is called like a role, else like a class of masks
+  size_t role_at = SIZE_MAX;  // index of the outermost folder named like a role, else like a mask class
   std::optional<PictureRole> folder_role;
   bool role_is_class = false;
   std::string stem_as_written;
@@ -63,8 +63,8 @@ Picture picture_of(const std::string& source) {
 struct Candidate {
   PictureRole role;
   size_t of;
-  bool twin = false;    // nothing but another extension says so: "b.png" beside "b.jpg"
-  bool of_all = false;  // of all photos in the folder
+  bool twin = false;    // only the extension differs: "b.png" next to "b.jpg"
+  bool of_all = false;  // for all photos in the folder
 };
 
 class Partners {
@@ -79,10 +79,10 @@ class Partners {
 
   const Picture& operator[](size_t i) const { return pictures_[i]; }
 
-  // What the picture may belong to, by its name.
+  // The photo that the picture may belong to, by its name.
   std::optional<Candidate> candidate(size_t i) const {
     const Picture& p = pictures_[i];
-    if (role_of_folder(p.stem) == PictureRole::Mask)  // openMVG: mask.png is that of all photos in the folder
+    if (role_of_folder(p.stem) == PictureRole::Mask)  // openMVG: mask.png is for all photos in the folder
       for (size_t k = 0; k < pictures_.size(); ++k)
         if (pictures_[k].folders == p.folders && !role_of_folder(pictures_[k].stem))
           return Candidate{PictureRole::Mask, k, false, true};
@@ -113,8 +113,8 @@ class Partners {
     return std::nullopt;
   }
 
-  // Of "a/masks/left/b.png": a/left/b.*, a/*/left/b.*, and where only one picture elsewhere is called so, that one. Behind
-  // "masks" there may be the folder of a class.
+  // For "a/masks/left/b.png": a/left/b.*, a/*/left/b.*, else the only other picture of that name. A class folder may follow
+  // "masks".
   std::optional<size_t> of_folder(size_t i, const std::string& name) const {
     const Picture& p = pictures_[i];
     const Parts before(p.folders.begin(), p.folders.begin() + long(p.role_at));
@@ -134,7 +134,7 @@ class Partners {
     return only;
   }
 
-  // Photos may lie in a folder called "object", and masks in another one called "ignore".
+  // Photos may be in a folder named "object", and masks in another named "ignore".
   bool may_be_photo(size_t k, size_t i) const {
     return k != i && (!pictures_[k].folder_role || pictures_[k].role_is_class) && pictures_[k].folders != pictures_[i].folders;
   }
@@ -163,7 +163,7 @@ bool content_agrees(const Candidate& c, const fs::path& path, const fs::path& of
   return false;
 }
 
-// Takes the files with `out` true away from the photos.
+// Removes the photos with `out` set.
 void drop(std::vector<PhotoFile>& photos, const std::vector<uint8_t>& out) {
   std::vector<PhotoFile> kept;
   for (size_t i = 0; i < photos.size(); ++i)
@@ -171,7 +171,7 @@ void drop(std::vector<PhotoFile>& photos, const std::vector<uint8_t>& out) {
   photos = std::move(kept);
 }
 
-// masks_2/b.png beside masks/b.png is the same mask with fewer pixels.
+// masks_2/b.png next to masks/b.png is a reduced copy of the mask.
 void reduced_masks(std::vector<BesidePhoto>& beside) {
   std::set<std::string> sources;
   for (const BesidePhoto& file : beside) sources.insert(file.source);
@@ -204,9 +204,9 @@ void sort_by_role(PhotoFolder& folder) {
   for (size_t i = 0; i < n; ++i)
     if (candidates[i]) (candidates[i]->twin ? twins : named).push_back(i);
   judge(named);
-  // Two hundred photos in two formats are no masks: a few of them tell.
+  // Test a few samples first: two hundred photos in two formats are no masks.
   if (judge(spread_samples(twins))) judge(twins);
-  // In a folder of masks alone, transparent/b.png is no mask of b.png.
+  // In a folder of masks only, transparent/b.png is no mask of b.png.
   std::vector<size_t> masks;
   for (size_t i = 0; i < n; ++i)
     if (agrees[i] && candidates[i]->role == PictureRole::Mask) masks.push_back(i);
@@ -229,7 +229,7 @@ void sort_by_role(PhotoFolder& folder) {
     std::erase_if(masks, [&](size_t i) { return !agrees[i]; });
     without_mask_of_mask(masks);
   }
-  // A mask of a mask (b_mask_small.png) belongs to the photo; two that name each other are both photos.
+  // A mask of a mask (b_mask_small.png) belongs to the photo; two that refer to each other are both photos.
   for (size_t i = 0; i < n; ++i) {
     if (!agrees[i]) continue;
     std::set<size_t> seen{i};
@@ -255,7 +255,7 @@ void sort_by_role(PhotoFolder& folder) {
 
 // --- second sets of the same photos ----------------------------------------------------------------------------------------
 
-// Another version by its name: what a program made from the photos, or what it was made from.
+// Whether the folder name suggests another version: undistorted photos, or their originals.
 bool is_other_version(const std::string& folder) {
   for (const fs::path& part : fs::path(folder)) {
     const std::string low = lowered(part.string());
@@ -264,7 +264,7 @@ bool is_other_version(const std::string& folder) {
   return false;
 }
 
-// Photos of one folder by their stems in lower case. A stem that two photos share stands for the first.
+// Lower-case stems of the photos in one folder. For duplicates, the first photo.
 using Stems = std::map<std::string, size_t>;
 
 std::vector<std::string> common_stems(const Stems& a, const Stems& b) {
@@ -284,7 +284,7 @@ void leave_out_second_sets(PhotoFolder& folder) {
   std::vector<uint8_t> out(folder.photos.size(), 0);
   const auto path = [&](size_t i) { return folder.photos[i].path; };
   CopyFinder finder;
-  // All common photos of `small` are those of `large`, with fewer pixels (`shrunk`) or in another version.
+  // Whether sampled common photos of `small` are reduced copies (`shrunk`) or other versions of those of `large`.
   const auto is_version = [&](const std::vector<std::string>& common, const Stems& small, const Stems& large, bool shrunk) {
     const std::vector<std::string> samples = spread_samples(common);
     return std::all_of(samples.begin(), samples.end(), [&](const std::string& stem) {
@@ -295,7 +295,7 @@ void leave_out_second_sets(PhotoFolder& folder) {
     for (const auto& [large_name, large] : folders) {
       if (small_name == large_name) continue;
       const std::vector<std::string> common = common_stems(small, large);
-      // Only whole folders: a photo or two of the same name say nothing.
+      // Only whole folders: one or two photos of the same name are not enough.
       if (common.size() < 2 || 2 * common.size() < small.size()) continue;
       if (out[small.at(common[0])] || out[large.at(common[0])]) continue;
       const bool shrunk = is_version(common, small, large, true);
@@ -310,7 +310,7 @@ void leave_out_second_sets(PhotoFolder& folder) {
       }
       if (other) folder.second_sets.push_back({.used = large_name, .left_out = small_name, .photos = common.size()});
     }
-  // What a copy was made from may be a copy itself, or a set that is left out.
+  // The source of a copy may itself be a copy or left out: follow the chain.
   std::map<std::string, std::string> full;
   for (const BesidePhoto& b : folder.beside)
     if (b.role == PictureRole::Copy) full[b.source] = b.of;

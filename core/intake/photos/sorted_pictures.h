@@ -1,5 +1,5 @@
-// Which pictures of a folder are photos, and which are something that belongs to one: sorted by name and content, both of which
-// have to agree before a picture is left out.
+// Separates the photos of a folder from masks, depth maps and other companions. A picture is left out only if its name and its
+// content agree.
 #pragma once
 
 #include <string>
@@ -9,9 +9,8 @@
 
 namespace vitrine {
 
-// Moves out of `folder.photos` into `folder.beside` the masks, depth maps, maps of normals and reduced copies of other photos,
-// and into `folder.like_photos` the names of those that are called so and look like photos. Decodes pictures only where names ask
-// for it.
+// Moves masks, depth maps, normal maps and reduced copies from `folder.photos` to `folder.beside`, and records in
+// `folder.like_photos` the files that have such a name but look like photos. Decodes only pictures with such a name.
 void sort_pictures(PhotoFolder& folder);
 
 }  // namespace vitrine

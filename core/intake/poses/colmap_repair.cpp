@@ -31,7 +31,7 @@ ColmapRepairs drop_dangling_references(ColmapModel& model) {
     in_track[i].resize(model.images[i].points.size());
     for (ColmapPoint2D& p : model.images[i].points)
       if (p.point3d_id != kNoPoint3D && model.find_point(p.point3d_id) == nullptr) {
-        // Without any 3D point the model is one of poses alone: nothing is wrong with it.
+        // A model without 3D points contains poses only and needs no repair.
         repairs.points_gone += !model.points.empty();
         p.point3d_id = kNoPoint3D;
       }

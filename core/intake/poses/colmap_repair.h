@@ -1,4 +1,4 @@
-// COLMAP models that people thinned out by hand or put together with scripts: COLMAP reads them, and so does this.
+// Drops dangling references from COLMAP models that were thinned by hand or assembled by scripts. COLMAP reads such models too.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace vitrine {
 
-// References that lead nowhere, and were dropped.
+// Number of references that were dropped, by kind.
 struct ColmapRepairs {
-  size_t images_without_camera = 0;  // dropped as a whole
-  size_t points_gone = 0;            // 2D points of a 3D point that is not there
-  size_t images_gone = 0;            // places in tracks: of an image that is not there,
-  size_t indices_gone = 0;           // of a 2D point beyond the image's last,
-  size_t disagreeing = 0;            // of a 2D point that belongs to another 3D point or to none, and the other way round
+  size_t images_without_camera = 0;  // whole images
+  size_t points_gone = 0;            // 2D points whose 3D point is missing
+  size_t images_gone = 0;            // track entries whose image is missing,
+  size_t indices_gone = 0;           // whose 2D point index is out of range,
+  size_t disagreeing = 0;            // whose 2D point belongs to another 3D point or to none, and the reverse
 
   size_t count() const { return images_without_camera + points_gone + images_gone + indices_gone + disagreeing; }
   std::string text() const;  // "130 2D points name a 3D point that is not there, 7 ..."
 };
 
-// Afterwards every reference exists and both sides agree. `model` is sorted by ids.
+// After the call every reference is valid in both directions. `model` is sorted by ids.
 ColmapRepairs drop_dangling_references(ColmapModel& model);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// A COLMAP model with some of its points or images taken out.
+// Removes points or images from a COLMAP model and renumbers the rest.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace vitrine {
 
-// Keeps the points for which `keep` holds; 2D points without a 3D point leave; ids become 1..n; tracks follow. Observations whose
-// 2D point lost its 3D point are first taken out of the tracks.
+// Keeps the points for which `keep` holds. Removes 2D points without a 3D point, renumbers ids to 1..n and updates the tracks.
+// Observations whose 2D point has lost its 3D point are removed from the tracks first.
 ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep);
 
-// Without these images (ids), the points that fewer than two others see, and the cameras of none.
+// Removes these images (ids), points seen by fewer than two of the rest, and unused cameras.
 ColmapModel without_images(ColmapModel model, const std::set<uint32_t>& images);
 
 }  // namespace vitrine

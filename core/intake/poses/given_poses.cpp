@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kTinySkew = 1e-3;  // of the focal length: a third of a pixel over 640
 
-// "00006_P.txt" -> "00006": what the file shares with the name of its photo.
+// "00006_P.txt" -> "00006": the part shared with the photo's file name.
 std::string matrix_key(const fs::path& file) {
   std::string stem = file.stem().string();
   for (const char* suffix : {"_P", "_p", ".P", "_proj"})
@@ -30,7 +30,7 @@ std::string matrix_key(const fs::path& file) {
   return stem;
 }
 
-// Of the pixels that the matrices are for: size of the photo's file at the size as ingested, or upright.
+// Picture size of the matrices, in ingested pixels: stored or upright.
 PixelSize matrix_size(const Photo& photo, bool stored) { return stored ? stored_size(photo) : upright_size(photo); }
 
 ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Photo> photos, double given_scale,
@@ -60,7 +60,7 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
     bool unique = true;
     for (size_t i = 0; i < photos.size() && !called_so; ++i) {
       const std::string name = fs::path(photos[i].name).filename().string();
-      // The key, and then no further digit: "0001" must not mean "00012".
+      // No digit may follow the key: "0001" must not match "00012".
       if (!name.starts_with(key) || (name.size() > key.size() && std::isdigit(static_cast<unsigned char>(name[key.size()]))))
         continue;
       unique &= !photo.has_value();
@@ -78,8 +78,8 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
                    .code = "POSES_TWICE"});
     rows.push_back({*photo, decomposed_projection(p, file)});
   }
-  // Matrices often belong to larger originals, and know nothing of EXIF: of 1, 1/2, .. 1/8 and the ingest's own reduction, for
-  // the photos as stored or upright, take what centres the principal point.
+  // Matrices often belong to larger originals and ignore EXIF. Try the scales 1, 1/2, .. 1/8 times the ingest reduction, for
+  // stored and upright photos; use the one that centres the principal point.
   double scale = given_scale, best = 1e300;
   bool stored = false;
   for (const bool turned : {false, true})
@@ -103,7 +103,7 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
     const Photo& photo = photos[r.photo];
     const PixelSize size = matrix_size(photo, stored);
     PosedPhoto p = posed_photo(photo, size.width, size.height);
-    // A matrix has no size. Principal points decide where the sides are swapped; half turns stay open.
+    // A matrix has no picture size. For swapped sides the principal point decides; half turns stay unsettled.
     if (swaps_sides(photo.orientation) && photo.width != photo.height) p.fits_stored = stored, p.fits_upright = !stored;
     pixels.photos.push_back(std::move(p));
   }
@@ -146,7 +146,7 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
        .code = "POSES_SIZE"});
 }
 
-// Images are named like photos (named_poses.h). Scales cameras and observations to the ingested size and turns them upright.
+// Renames images to photo names (named_poses.h), scales cameras and observations to the ingested size and turns them upright.
 ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs::path& path, PosePixels& pixels) {
   std::map<std::string, size_t> index_of;
   for (size_t i = 0; i < photos.size(); ++i) index_of.emplace(photos[i].name, i);
@@ -155,14 +155,14 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs
     return at != index_of.end() ? std::optional(at->second) : std::nullopt;
   };
   std::set<size_t> taken;
-  std::vector<size_t> matched;  // images of the model
+  std::vector<size_t> matched;  // indices of model images
   std::vector<const Photo*> photo_of;
   std::vector<ColmapCamera> camera_of;
   for (size_t i = 0; i < model.images.size(); ++i) {
     const std::optional<size_t> photo = find(model.images[i].name);
     if (!photo || !taken.insert(*photo).second) continue;
     ColmapCamera camera = *model.find_camera(model.images[i].camera_id);
-    is_distorted(camera);  // throws for lenses whose parameters are not known here
+    is_distorted(camera);  // throws for unknown lens models
     if (sides_look_swapped(photos[*photo], camera)) std::swap(camera.width, camera.height);
     PosedPhoto p = posed_photo(photos[*photo], double(camera.width), double(camera.height));
     if (!p.fits_upright && !p.fits_stored) throw_other_shape(p, model.images[i].name, pixels, path);
@@ -174,8 +174,8 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs
   settle_pixels(pixels);
   check_pixel_sizes(pixels, photo_of, camera_of, path);
   std::vector<ColmapImage> images;
-  // (source camera, ingested size, how it is turned) -> new id. Photos that may still be turned the other way share no camera
-  // with those that are settled.
+  // (source camera, ingested size, orientation) -> new id. Photos with an unsettled orientation share no camera with settled
+  // ones.
   std::map<std::tuple<uint32_t, int, int, int, bool>, uint32_t> camera_ids;
   std::vector<ColmapCamera> cameras;
   std::set<uint32_t> kept_ids;
@@ -229,7 +229,7 @@ Decomposed decomposed_projection(const double (&p)[12], const fs::path& where) {
         {.where = where.string(), .why = why, .hint = "give matrices P = K [R | t] in pixels", .code = "POSES_BAD_MATRIX"});
   };
   if (!(factor > 0) || !std::isfinite(factor)) fail("its third row has no direction");
-  if (dot(cross(m1, m2), m3) < 0) factor = -factor;  // P and -P are the same camera; the rotation must not mirror
+  if (dot(cross(m1, m2), m3) < 0) factor = -factor;  // P and -P are the same camera; choose the sign of a proper rotation
   m1 = m1 / factor, m2 = m2 / factor, m3 = m3 / factor, t = t / factor;
   Decomposed d;
   const Vec3d r3 = m3;
@@ -276,7 +276,7 @@ GivenPoses given_poses(const fs::path& path, std::span<const Photo> photos, doub
     given.pixels.source = named.file.kind == PoseFile::Kind::Transforms ? PoseSource::Transforms : PoseSource::Colmap;
     model = on_photos(std::move(named.model), photos, given.source, given.pixels);
   }
-  // Ids in name order, as everywhere in this stage.
+  // Ids follow the name order, as elsewhere in this stage.
   std::map<uint32_t, uint32_t> new_id;
   std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
   for (ColmapImage& image : model.images) {

@@ -17,7 +17,7 @@ namespace vitrine {
 
 namespace {
 
-// A file as it stands, and the photos that its names mean.
+// Content of a pose file, and the photos matched to its names.
 struct Reading {
   PoseFile file;
   ColmapModel model;          // of a COLMAP model
@@ -25,13 +25,14 @@ struct Reading {
   std::vector<std::string> names, places;
   std::vector<PhotoMatch> matches;
   Notes notes;
-  size_t photos = 0;     // that have a pose
-  size_t same_size = 0;  // whose pictures have exactly the size that the file states
+  size_t photos = 0;     // with a pose
+  size_t same_size = 0;  // photos of exactly the size in the file
 };
 
 std::string shown(const Reading& r, size_t i) { return fmt::format("{} '{}'", r.places[i], r.names[i]); }
 
-// COLMAP's files are converted to text to be edited; the binary ones are still there, and are read.
+// Notes a text model that is newer than the binary files next to it and differs: users convert COLMAP's files to text to edit
+// them, but the binary files are read.
 void note_other_format(Reading& r) {
   const fs::path &folder = r.file.path, binary = folder / "images.bin";
   std::error_code ec;
@@ -103,14 +104,14 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
     }
   if (readings.empty()) std::rethrow_exception(first_failure);
   const auto best = std::max_element(readings.begin(), readings.end(), [](const Reading& a, const Reading& b) {
-    return std::tuple(a.photos, a.same_size) < std::tuple(b.photos, b.same_size);  // the first of equal ones
+    return std::tuple(a.photos, a.same_size) < std::tuple(b.photos, b.same_size);  // the first on a tie
   });
-  if (best->photos < 2 && first_failure) std::rethrow_exception(first_failure);  // it may be the one that is meant
+  if (best->photos < 2 && first_failure) std::rethrow_exception(first_failure);  // the unreadable file may be the intended one
   Reading out = std::move(*best);
   readings.erase(best);
   std::string others, beside;
   for (const Reading& r : readings) {
-    // A transforms.json beside a COLMAP model is the same in another format, as a rule.
+    // A transforms.json next to a COLMAP model is usually the same poses in another format.
     std::string& list = r.file.kind == out.file.kind ? others : beside;
     list += fmt::format("{}{} ({} poses, of {} of these photos)", list.empty() ? "" : ", ", r.file.path.string(), r.names.size(),
                         r.photos);
@@ -179,13 +180,13 @@ bool same_pose(const Rigid& a, const Rigid& b) {
   return most < kSame;
 }
 
-// Names of the file that are used: of several for one photo the first, when they have one pose.
+// Indices of the names in use: the first of several for one photo, if their poses are equal.
 std::vector<size_t> used_names(Reading& r, const PhotoFinder& finder) {
   const auto pose = [&](size_t i) {
     return r.file.kind == PoseFile::Kind::Colmap ? r.model.images[i].cam_from_world() : r.transforms.frames[i].cam_from_world;
   };
   std::vector<size_t> used;
-  std::map<size_t, size_t> first;  // photo -> name
+  std::map<size_t, size_t> first;  // photo -> name index
   size_t again = 0;
   std::string example;
   for (size_t i = 0; i < r.names.size(); ++i) {
@@ -230,8 +231,8 @@ ColmapModel posed_by_colmap(Reading& r, const std::vector<size_t>& used, std::sp
   return model;
 }
 
-// The size of a picture for which the file states none: the photo's. A principal point far from its middle belongs to a picture
-// of another size: the photo enlarged or reduced by a whole number.
+// Size of a picture for which the file has none: the photo's size. If the principal point is far from its middle, the photo's
+// size times an integer or its inverse.
 PictureSize assumed_size(const TransformsFrame& frame, const Photo& photo, size_t& resized) {
   const PictureSize own{photo.original_width, photo.original_height};
   if (!frame.camera.cx || !frame.camera.cy) return own;

@@ -1,5 +1,4 @@
-// Poses of a COLMAP model or a transforms.json for the photos that their names mean. What is read, what is left out and what is
-// assumed is said.
+// Poses of a COLMAP model or a transforms.json, matched to photos by name. Notes report the file read, omissions and assumptions.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +13,14 @@
 namespace vitrine {
 
 struct NamedPoses {
-  PoseFile file;                 // what was read
-  ColmapModel model;             // image names are names of photos, each at most once; cameras as the file has them
-  std::vector<size_t> versions;  // photos without a pose that are another version of a photo with one: "images_4/a.jpg"
+  PoseFile file;                 // the file read
+  ColmapModel model;             // image names are names of photos, each at most once; cameras as in the file
+  std::vector<size_t> versions;  // photos without a pose that are another version of a posed photo: "images_4/a.jpg"
   Notes notes;
 };
 
-// Of several files the one that has poses of most photos; of equally good ones the first. Throws Error{Input}: nothing can be
-// read, nothing matches, two different poses of one photo, no focal length.
+// Of several files, the one with poses for the most photos, the first on a tie. Throws Error{Input}: no file is readable, no
+// name matches, two different poses of one photo, no focal length.
 NamedPoses named_poses(std::span<const PoseFile> files, std::span<const Photo> photos);
 
 }  // namespace vitrine

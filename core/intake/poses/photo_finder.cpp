@@ -32,7 +32,7 @@ std::vector<size_t> first_versions(std::span<const Photo> photos) {
   const auto key = [](const fs::path& path) { return folded_name(fs::path(path).replace_extension().generic_string()); };
   std::map<std::string, size_t> by_key;
   for (size_t i = 0; i < photos.size(); ++i) by_key.emplace(key(photos[i].source), i);
-  // `path` with its folder `part` called otherwise.
+  // Photo at `path` with its folder `part` renamed to `name`.
   const auto beside = [&](const fs::path& path, const fs::path::iterator& part,
                           const std::string& name) -> std::optional<size_t> {
     fs::path other;

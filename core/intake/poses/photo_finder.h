@@ -1,4 +1,4 @@
-// The photos of a capture by the names that stand in somebody's file (core/foundation/config/photo_name_finder.h).
+// Finds the photos of a capture by the names used in external files (core/foundation/config/photo_name_finder.h).
 #pragma once
 
 #include <span>
@@ -10,15 +10,15 @@
 
 namespace vitrine {
 
-// Photos are found by their path below the user's photo folder, and by their own name.
+// Photos are found by their path below the user's photo folder and by their own name.
 class PhotoFinder : public PhotoNameFinder {
  public:
   explicit PhotoFinder(std::span<const Photo> photos);
 };
 
-// Photos that are one picture in several versions, as data sets have them side by side: "images_2/a.jpg" has half the size of
-// "images/a.jpg", and "input/a.jpg" is what 3D Gaussian splatting's script undistorted into "images/a.jpg". Per photo: the first
-// of its versions, perhaps itself.
+// Groups photos that are versions of one picture, as data sets store them: "images_2/a.jpg" has half the size of
+// "images/a.jpg", and 3D Gaussian splatting's script undistorts "input/a.jpg" into "images/a.jpg". Per photo: the first of its
+// versions, possibly itself.
 std::vector<size_t> first_versions(std::span<const Photo> photos);
 
 }  // namespace vitrine

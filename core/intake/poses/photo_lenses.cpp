@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 struct LensFile {
-  std::map<uint32_t, ColmapCamera> photographed;  // lenses as photographed, by camera id
+  std::map<uint32_t, ColmapCamera> photographed;  // original lenses, by camera id
   std::vector<std::string> without_camera;
 };
 

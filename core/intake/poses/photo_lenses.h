@@ -1,5 +1,5 @@
-// How the undistorted photos of an sfm artifact came from the photos as taken: pixels of a photo, where people draw, become
-// pixels of the cameras, and masks of these become pixels of a photo again.
+// Undistortion of the photos of an sfm artifact: maps pixels of the original photos, where users mark regions, to pixels of the
+// undistorted cameras, and masks of the cameras back to the photos.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@
 namespace vitrine {
 
 struct PhotoLenses {
-  std::vector<Undistortion> undistortions;  // [view] from the photo as taken, as ingested, to the undistorted one
-  std::vector<std::string> without_camera;  // photos that sfm could not place
+  std::vector<Undistortion> undistortions;  // [view] from the ingested original photo to the undistorted one
+  std::vector<std::string> without_camera;  // photos without a pose
 };
-// `set` is that of the folder. An sfm artifact without its report counts as free of distortion. Throws Error{Input}.
+// `set`: the views of the folder. Without a report an sfm artifact is assumed free of distortion. Throws Error{Input}.
 PhotoLenses read_photo_lenses(const std::filesystem::path& sfm_folder, const ViewSet& set);
 
 }  // namespace vitrine

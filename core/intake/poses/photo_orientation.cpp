@@ -16,7 +16,7 @@ PixelSize stored_size(const Photo& photo) {
 }
 
 Mat3d upright_from_stored(int orientation) {
-  // The same two flags as in core/scene/image/resample.cpp: which way the upright x and y run along the stored sides.
+  // The flags of core/scene/image/resample.cpp: directions of the upright x and y along the stored sides.
   const double x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7 ? -1 : 1;
   const double y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8 ? -1 : 1;
   if (swaps_sides(orientation)) return {{0, y, 0}, {x, 0, 0}, {0, 0, 1}};
@@ -33,7 +33,7 @@ Vec2d upright_pixel(const Vec2d& stored, int orientation, const PixelSize& size)
 
 ColmapCamera upright_camera(const ColmapCamera& stored, int orientation) {
   ColmapCamera camera = stored;
-  const Intrinsics k = pinhole_part(stored);  // refuses lenses whose parameters are not known
+  const Intrinsics k = pinhole_part(stored);  // throws for unknown lens models
   const Vec2d centre = upright_pixel({k.cx, k.cy}, orientation, {double(stored.width), double(stored.height)});
   if (swaps_sides(orientation)) std::swap(camera.width, camera.height);
   const std::string_view model = colmap_camera_type(stored.model_id)->name;
@@ -42,7 +42,7 @@ ColmapCamera upright_camera(const ColmapCamera& stored, int orientation) {
   const size_t at = two_focals ? 2 : 1;
   camera.params[at] = centre.x, camera.params[at + 1] = centre.y;
   if (model == "OPENCV") {
-    // Tangential distortion is r2 q + 2 d (q . d) with q = (p2, p1): it turns with q. Radial distortion turns with nothing.
+    // Tangential distortion is r2 q + 2 d (q . d) with q = (p2, p1): q rotates with the picture. Radial distortion is invariant.
     const Vec3d q = upright_from_stored(orientation) * Vec3d{stored.params[7], stored.params[6], 0};
     camera.params[7] = q.x, camera.params[6] = q.y;
   }

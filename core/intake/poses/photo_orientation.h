@@ -1,11 +1,11 @@
-// Cameras of turned photos. A file holds a photo's *stored* pixels and an EXIF orientation (1..8, core/scene/image/resample.h) that
-// says how to turn them *upright*. Everything after ingest sees upright photos; poses are for the stored pixels when the program
-// that made them ignored EXIF. Here is what turning a picture does to its pixels, its camera and its pose:
+// Cameras and poses of rotated photos. A file holds *stored* pixels and an EXIF orientation (1..8, core/scene/image/resample.h)
+// that turns them *upright*. All stages after ingest use upright photos; poses are for the stored pixels when the program that
+// computed them ignored EXIF. The conversion of pixels, camera and pose:
 //
 //   pixel  = S pixel_stored + offset         S: 2x2, signed permutation, the same for pixels and for camera x, y
 //   camera = diag(S, 1) camera_stored        so R = diag(S, 1) R_stored, t = diag(S, 1) t_stored
 //
-// Orientations 2, 4, 5 and 7 mirror as well: then diag(S, 1) is no rotation, and a pose exists only in a mirrored world.
+// Orientations 2, 4, 5 and 7 also mirror: then diag(S, 1) is no rotation, and a pose exists only in a mirrored world.
 #pragma once
 
 #include "core/scene/camera/colmap_model.h"
@@ -17,7 +17,7 @@ struct PixelSize {
   double width = 0, height = 0;
 };
 
-bool swaps_sides(int orientation);  // 5 to 8: what was wide is high
+bool swaps_sides(int orientation);  // 5 to 8: width and height are swapped
 bool is_mirrored(int orientation);  // 2, 4, 5, 7
 
 PixelSize upright_size(const Photo& photo);  // as ingested
@@ -28,7 +28,7 @@ Mat3d upright_from_stored(int orientation);
 Vec2d upright_pixel(const Vec2d& stored, int orientation, const PixelSize& stored_size);
 // Focal lengths, principal point, size and distortion of the upright picture. Throws Error{Input} for unknown lens models.
 ColmapCamera upright_camera(const ColmapCamera& stored, int orientation);
-// An orientation that mirrors needs a world that is mirrored too: x becomes -x.
+// Orientations that mirror need a mirrored world too: x becomes -x.
 Rigid upright_pose(const Rigid& cam_from_world, int orientation);
 Vec3d mirrored_world(const Vec3d& place);
 

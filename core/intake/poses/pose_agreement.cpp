@@ -15,13 +15,13 @@ namespace vitrine {
 namespace {
 
 // --- matches --------------------------------------------------------------------------------------------------------
-constexpr double kTolerancePx = 4;   // what a feature and its geometric check are good for
-constexpr double kInfinityPx = 2;    // parallax below this says nothing about the sign of a depth
-constexpr size_t kMostOfPair = 200;  // matches of one pair that are tested
-// Matches that stay where they are in the picture are dirt on the lens, a watermark, or the room around a turntable: of the poses
-// of the scene they say nothing. (A camera that moves leaves hardly any other.)
+constexpr double kTolerancePx = 4;   // accuracy of features and their geometric verification
+constexpr double kInfinityPx = 2;    // smaller parallax does not determine the sign of a depth
+constexpr size_t kMostOfPair = 200;  // tested matches per pair
+// Matches at the same pixel in both photos are dirt on the lens, a watermark, or the room around a turntable, and do not
+// constrain the poses. (A moving camera produces hardly any others.)
 constexpr double kInPlace = 0.003;   // of the longest side
-constexpr double kSamePlace = 1e-6;  // of the largest baseline: the camera only turned
+constexpr double kSamePlace = 1e-6;  // of the largest baseline: pure rotation
 
 struct PosedCamera {
   const ColmapImage* image;
@@ -46,7 +46,7 @@ double largest_baseline(const ColmapModel& model) {
   return centres.diagonal();
 }
 
-// Distance in pixels; nullopt when the two rays do not meet in front of both cameras.
+// Distance in pixels; nullopt when the two rays do not intersect in front of both cameras.
 std::optional<double> epipolar_offset(const Rigid& b_from_a, const Vec2d& a, const Vec2d& b, double fa, double fb,
                                       bool same_place) {
   const Vec3d xa{a.x, a.y, 1}, xb{b.x, b.y, 1}, turned = b_from_a.rotation * xa;
@@ -70,16 +70,16 @@ std::optional<double> epipolar_offset(const Rigid& b_from_a, const Vec2d& a, con
 
 // --- pictures -------------------------------------------------------------------------------------------------------
 constexpr int kPictureSide = 400;                      // longest side of the reduced pictures
-constexpr std::array<double, 3> kRadii = {1, 2.5, 5};  // of the discs whose mean colours are compared, in reduced pixels
+constexpr std::array<double, 3> kRadii = {1, 2.5, 5};  // radii of the compared discs, in reduced pixels
 constexpr size_t kDescriptor = 3 * kRadii.size();
 constexpr size_t kMostTracks = 4000;
-constexpr int kRivals = 2;            // other observations that each pair is compared with
-constexpr size_t kFewestSeen = 8;     // observations of a photo to draw rivals from
-constexpr double kAlike = 6.0 / 255;  // rivals that look like this look the same: nothing to tell
+constexpr int kRivals = 2;            // other observations compared with each pair
+constexpr size_t kFewestSeen = 8;     // observations of a photo required for sampling rivals
+constexpr double kAlike = 6.0 / 255;  // rivals with a smaller colour difference are indistinguishable
 
 using Look = std::array<float, kDescriptor>;
 
-// Mean colours of discs: the same however the camera was turned about its axis.
+// Mean colours of discs, invariant to camera roll.
 std::optional<Look> look_at(const Image8& picture, double x, double y) {
   if (!(x >= 0 && y >= 0 && x < picture.width() && y < picture.height())) return std::nullopt;
   Look out{};
@@ -90,7 +90,7 @@ std::optional<Look> look_at(const Image8& picture, double x, double y) {
       for (int dx = -reach; dx <= reach; ++dx) {
         const int px = int(x) + dx, py = int(y) + dy;
         if (px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
-        // Soft rim: the disc moves by less than a pixel without a jump.
+        // Antialiased edge, for continuity under subpixel shifts.
         const double w = std::clamp(kRadii[r] + 0.5 - std::hypot(px + 0.5 - x, py + 0.5 - y), 0.0, 1.0);
         for (int c = 0; c < 3; ++c) sum[c] += w * picture.at(px, py, c);
         weight += w;
@@ -159,7 +159,7 @@ Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatch
   const double baseline = largest_baseline(poses);
   struct Tested {
     AgreementCount count;
-    std::vector<double> offsets;  // of rays that meet in front of both
+    std::vector<double> offsets;  // of rays that intersect in front of both cameras
   };
   std::vector<Tested> tested(matches.size());
   parallel_for(matches.size(), 1, [&](size_t i) {
@@ -242,14 +242,14 @@ Agreement TrackPictures::agreement(const ColmapModel& model) const {
   const std::map<std::string, PosedCamera> cameras = posed_cameras(model);
   std::map<uint32_t, size_t> index_of;
   for (size_t i = 0; i < model.images.size(); ++i) index_of[model.images[i].id] = i;
-  // What every used observation looks like, by photo.
+  // Patch colours of every used observation, by photo.
   struct Seen {
     size_t track;
     Look look;
   };
   std::vector<std::vector<Seen>> seen(model.images.size());
   const size_t step = std::max<size_t>(1, model.points.size() / kMostTracks);
-  std::vector<std::vector<std::pair<size_t, size_t>>> tracks;  // (photo, place in seen[photo])
+  std::vector<std::vector<std::pair<size_t, size_t>>> tracks;  // (photo, index in seen[photo])
   for (size_t p = 0; p < model.points.size(); p += step) {
     auto& track = tracks.emplace_back();
     for (const ColmapTrackElement& t : model.points[p].track) {

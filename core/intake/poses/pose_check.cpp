@@ -12,27 +12,27 @@ namespace vitrine {
 
 namespace {
 
-// Where shares stand (stages/sfm/EXPERIMENTS.md):
-//   matches      right 0.94, off by 1 % of the longest side 0.75, other conventions 0.00 to 0.05, other photos 0.09 to 0.14,
+// Measured shares (stages/sfm/EXPERIMENTS.md):
+//   matches      correct 0.94, off by 1 % of the longest side 0.75, other conventions 0.00 to 0.05, other photos 0.09 to 0.14,
 //                shifted by one 0.39, twice the focal length 0.57
-//   pictures     right 0.98 and more, other photos 0.50 to 0.54, shifted by one 0.57
-//   own points   right 1
+//   pictures     correct 0.98 and more, other photos 0.50 to 0.54, shifted by one 0.57
+//   own points   correct 1
 struct Scale {
-  const char* tests;    // what is counted, for messages
-  double hardly, weak;  // below: refused; a warning
-  double fits;          // what another reading has to reach to be believed
+  const char* tests;    // name of the tests, for messages
+  double hardly, weak;  // below: rejected; a warning
+  double fits;          // minimum share for accepting another convention
 };
 constexpr Scale kMatches{"verified matches", 0.3, 0.5, 0.5};
 constexpr Scale kPictures{"comparisons of the photos at the model's points", 0.65, 0.8, 0.8};
 constexpr Scale kOwnPoints{"observations of the model's own points", 0.5, 0.9, 0.8};
 
-constexpr size_t kFewestTests = 60;        // fewer say nothing
-constexpr size_t kMostTests = 15000;       // for every reading that is tried
-constexpr double kSuspicious = 0.85;       // of matches: below this other readings are tried
+constexpr size_t kFewestTests = 60;        // minimum for a decision
+constexpr size_t kMostTests = 15000;       // for every tried convention
+constexpr double kSuspicious = 0.85;       // of matches: below this other conventions are tried
 constexpr double kPhotoDisagrees = 0.3;    // matches
 constexpr double kPhotoLooksOther = 0.65;  // pictures
 constexpr size_t kNamed = 4;
-constexpr double kClearly = 0.03;  // of a share: less is no reason to prefer another reading
+constexpr double kClearly = 0.03;  // minimum difference of shares for preferring another convention
 
 struct Fit {
   std::string what, hint;
@@ -41,7 +41,7 @@ struct Fit {
 
 using Measure = std::function<Agreement(const ColmapModel&)>;
 
-// The variant that fits best; a later (less simple) one only if it fits clearly better.
+// Keeps the best variant; a later (less simple) one only if it is clearly better.
 void keep_best(const std::vector<PoseVariant>& variants, const Measure& measure, std::optional<Fit>& best) {
   for (const PoseVariant& v : variants) {
     const double share = measure(v.model).share();
@@ -49,13 +49,13 @@ void keep_best(const std::vector<PoseVariant>& variants, const Measure& measure,
   }
 }
 
-// Another reading is right when it fits, and leaves a third of the disagreement at most.
+// Another convention is accepted when it fits and leaves at most a third of the failed tests.
 bool convinces(const std::optional<Fit>& fit, double given, const Scale& scale) {
   constexpr double kLess = 3, kMore = 0.1;
   return fit && fit->share >= scale.fits && fit->share > given + kMore && 1 - given > kLess * (1 - fit->share);
 }
 
-// `fit`: the reading that is right, or null.
+// `fit`: the correct convention, or null.
 [[noreturn]] void throw_disagree(const Agreement& given, const Fit* fit, const Scale& scale, const PosePixels& pixels,
                                  const std::string& more, const std::filesystem::path& where) {
   std::string why =
@@ -88,7 +88,7 @@ void note_photos(const Agreement& agreement, const Scale& scale, double least, C
                                    photos.size(), scale.tests, names)});
 }
 
-// Are open photos turned as assumed, or the other way? The assumption leaves the notes once it is shown or overruled.
+// Compares both orientations of the unsettled photos. Removes the note on the assumption once it is confirmed or overruled.
 void settle_open(CheckedPoses& out, PosePixels& pixels, const Measure& measure) {
   if (!pixels.open()) return;
   PosePixels other_pixels = pixels;
@@ -114,7 +114,7 @@ void settle_open(CheckedPoses& out, PosePixels& pixels, const Measure& measure) 
 }
 
 std::string one_place(const ColmapModel& model) {
-  constexpr double kRounding = 1e-9;  // of the distance from the origin: a centre is the product of a rotation and a translation
+  constexpr double kRounding = 1e-9;  // of the distance from the origin: rounding error of a camera centre
   Bounds3 centres;
   double farthest = 0;
   for (const ColmapImage& image : model.images) {
@@ -128,7 +128,7 @@ std::string one_place(const ColmapModel& model) {
 void note_accuracy(const Agreement& a, const ColmapModel& model, CheckedPoses& out) {
   uint64_t side = 0;
   for (const ColmapCamera& camera : model.cameras) side = std::max({side, camera.width, camera.height});
-  // Poses found from photos are off by less than a pixel of 1000.
+  // Poses estimated from photos are off by less than a pixel of 1000.
   constexpr double kRough = 0.0015, kRoughPx = 1.5;
   const bool few = a.share()<kMatches.weak, rough = a.offset> std::max(kRoughPx, kRough * double(side));
   if (!few && !rough) return;
@@ -140,7 +140,7 @@ void note_accuracy(const Agreement& a, const ColmapModel& model, CheckedPoses& o
                    a.offset, 100 * a.share())});
 }
 
-// A focal length of another picture size may leave most matches within the tolerance; with the right one they lie much nearer.
+// A focal length for another picture size may keep most matches within the tolerance; the correct one has much smaller residuals.
 void check_focal(const CheckedPoses& checked, const Measure& measure, const PosePixels& pixels,
                  const std::filesystem::path& where) {
   constexpr double kVisiblePx = 0.5, kMuchBetter = 0.4;
@@ -157,9 +157,9 @@ void check_focal(const CheckedPoses& checked, const Measure& measure, const Pose
   if (best.share > 0) throw_disagree(given, &best, kMatches, pixels, "", where);
 }
 
-// Cameras for another size: of the same pictures resized, or of their middle?
+// For cameras of another picture size: compares resized with cropped.
 void settle_resize(CheckedPoses& out, PosePixels& pixels, const Measure& measure, const std::filesystem::path& where) {
-  constexpr double kBetter = 0.85;  // 0.80 and 1.3 with cameras for 312 x 234 of 320 x 240 pixels
+  constexpr double kBetter = 0.85;  // measured 0.80 and 1.3 with cameras for 312 x 234 of 320 x 240 pixels
   if (!pixels.oddly_resized) return;
   const Agreement cropped = measure(as_cropped(out.model, pixels));
   const Agreement& resized = out.agreement;

@@ -19,7 +19,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kDeepest = 4;         // "colmap/dense/0/sparse"
-constexpr size_t kMostFolders = 2000;  // looked into: data sets have a few; a home folder has no end
+constexpr size_t kMostFolders = 2000;  // visited at most: data sets have a few folders, a home folder very many
 const std::array kUsual{"sparse/0",
                         "sparse",
                         "colmap/sparse/0",
@@ -44,7 +44,7 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
   return out;
 }
 
-// An output folder of this program: its cameras are those of undistorted photos, and it is not part of what surrounds it.
+// An output folder of this program: its cameras are those of undistorted photos, and it is not part of the surrounding capture.
 bool is_own_output(const fs::path& folder) {
   std::error_code ec;
   return fs::exists(folder / "scene.json", ec) && fs::exists(folder / "sparse", ec) && fs::exists(folder / "linear", ec);
@@ -52,7 +52,7 @@ bool is_own_output(const fs::path& folder) {
 
 std::vector<fs::path> colmap_folders(const fs::path& root) {
   std::vector<fs::path> found, level{root};
-  std::set<fs::path> seen;  // a folder counts once, by whatever links it is reached
+  std::set<fs::path> seen;  // canonical paths, so that linked folders count once
   for (size_t depth = 0; depth <= kDeepest && !level.empty(); ++depth) {
     std::vector<fs::path> next;
     for (const fs::path& folder : level) {
@@ -94,7 +94,7 @@ std::vector<fs::path> transforms_files(const fs::path& root) {
 constexpr const char* kHint =
     "give a COLMAP model (cameras, images: .bin or .txt), a transforms.json, or a folder of 3x4 matrices (P/*.txt)";
 
-// Files of formats that are not read. nullopt: it may be JSON.
+// Names the format of unsupported files. nullopt: it may be JSON.
 std::optional<std::string> other_format(const fs::path& file) {
   static const std::map<std::string, const char*> known{{".nvm", "a VisualSFM scene"},
                                                         {".out", "a Bundler scene"},

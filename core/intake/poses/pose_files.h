@@ -1,5 +1,5 @@
-// Where camera poses lie in what the user names: the layouts of COLMAP, nerfstudio, instant-ngp, Blender, 3D Gaussian splatting
-// and OpenMVS, or a folder of projection matrices.
+// Locates camera poses in a user's path: the layouts of COLMAP, nerfstudio, instant-ngp, Blender, 3D Gaussian splatting and
+// OpenMVS, or a folder of projection matrices.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ struct PoseFile {
   std::filesystem::path path;  // the folder of a COLMAP model; a JSON file; the folder of the matrices
 };
 
-// All that `path` (file or folder) may mean, the most usual first; never empty. Throws Error{Input} when there is none, and names
-// the format of files that are not read.
+// All candidates in `path` (file or folder), the most common first; never empty. Throws Error{Input} when there are none; the
+// error names the format of unsupported files.
 std::vector<PoseFile> find_pose_files(const std::filesystem::path& path);
 
-// A file of a COLMAP model (images.txt, cameras.bin, ..) means its folder; everything else means itself.
+// Maps a file of a COLMAP model (images.txt, cameras.bin, ..) to its folder; returns all other paths unchanged.
 std::filesystem::path meant_poses(const std::filesystem::path& path);
 
-// Where the pictures of such a file should lie: names in it are relative to these folders. The likeliest first.
+// Folders that picture names in the file may be relative to, the likeliest first.
 std::vector<std::filesystem::path> picture_folders(const PoseFile& file);
 
 // P/*.txt, or the *.txt and *.P of the folder itself; sorted.

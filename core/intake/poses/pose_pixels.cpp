@@ -14,30 +14,30 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kProbed = 3;     // pictures beside the model that are looked at
-constexpr int kLevels = 3;        // the model's folder and what it lies in: dense/sparse, OUT/sparse/0
+constexpr size_t kProbed = 3;     // pictures next to the model that are inspected
+constexpr int kLevels = 3;        // the model's folder and its parents: dense/sparse, OUT/sparse/0
 constexpr int kMostReduced = 16;  // images_2, images_4, images_8 and the like
 
 std::string size_text(const PixelSize& s) { return fmt::format("{:.0f} x {:.0f}", s.width, s.height); }
 
 bool same(const PixelSize& a, const PixelSize& b) { return a.width == b.width && a.height == b.height; }
 
-// Whole pixels rounded up or down after a division by n.
+// Integer division by n, rounded up or down.
 bool divided(const PixelSize& large, const PixelSize& small) {
   for (int n = 2; n <= kMostReduced; ++n)
     if (std::abs(large.width / n - small.width) < 1 && std::abs(large.height / n - small.height) < 1) return true;
   return false;
 }
 
-// People and programs resize to a round longest side: 1600, 1920, 1024, 1000.
+// Common sizes of the longest side: 1600, 1920, 1024, 1000.
 bool round_side(const PixelSize& s) {
   const int longest = int(std::lround(std::max(s.width, s.height)));
   constexpr int kUsual[] = {720, 1080, 1152, 1296, 1440, 1920, 2160, 3840};
   return longest % 100 == 0 || longest % 128 == 0 || std::find(std::begin(kUsual), std::end(kUsual), longest) != std::end(kUsual);
 }
 
-// Resized by a usual ratio, or to a usual size. A crop or an undistorted picture is about as large as the photo, and has one of
-// these sizes by chance only.
+// Resized by a common ratio or to a common size. A crop or an undistorted picture is about as large as the photo and has one of
+// these sizes only by chance.
 bool usual_resize(const PixelSize& a, const PixelSize& b) {
   constexpr double kClearlySmaller = 0.85;
   const PixelSize &small = a.width < b.width ? a : b, &large = a.width < b.width ? b : a;
@@ -45,7 +45,7 @@ bool usual_resize(const PixelSize& a, const PixelSize& b) {
 }
 
 PixelSize picture_size(const fs::path& file) {
-  constexpr size_t kHead = 1 << 18;  // EXIF blocks with thumbnails lie before the size
+  constexpr size_t kHead = 1 << 18;  // EXIF blocks with thumbnails precede the size
   std::error_code failed;
   if (!fs::is_regular_file(file, failed)) return {};
   std::string head(kHead, '\0');
@@ -56,7 +56,7 @@ PixelSize picture_size(const fs::path& file) {
   return {double(probe.width), double(probe.height)};
 }
 
-// Folders in which a model lies: its own, and those above it that belong to the same capture.
+// The folder of a model and its parents in the same capture.
 std::vector<fs::path> folders_around(const fs::path& model) {
   std::error_code failed;
   fs::path folder = fs::is_directory(model, failed) ? model : model.parent_path();
@@ -72,12 +72,12 @@ std::vector<fs::path> folders_around(const fs::path& model) {
   return out;
 }
 
-// Sizes of pictures that an earlier run resampled, by its report.
+// Picture sizes that an earlier run undistorted, from its report.
 struct Resampled {
   PixelSize photographed, undistorted;
 };
 std::vector<Resampled> our_undistortions(const std::vector<fs::path>& folders) {
-  // Somebody else's file may be called so: nothing in it is taken for granted.
+  // Another program's file may have this name: check every field.
   const auto size_at = [](const nlohmann::json& camera, const char* key) {
     const auto side = [](const nlohmann::json& in, const char* name) {
       return in.is_object() && in.contains(name) && in[name].is_number() ? in[name].get<double>() : 0.0;
@@ -98,7 +98,7 @@ std::vector<Resampled> our_undistortions(const std::vector<fs::path>& folders) {
   return out;
 }
 
-// What `colmap image_undistorter` leaves.
+// Detects the output of `colmap image_undistorter`.
 bool colmap_undistortion(const std::vector<fs::path>& folders) {
   std::error_code failed;
   return std::any_of(folders.begin(), folders.end(), [&](const fs::path& folder) {
@@ -133,7 +133,7 @@ PosedPhoto posed_photo(const Photo& photo, double width, double height) {
 }
 
 bool sides_look_swapped(const Photo& photo, const ColmapCamera& camera) {
-  constexpr double kMiddle = 0.06, kOff = 0.1;  // of a side; real lenses are off by 0.02
+  constexpr double kMiddle = 0.06, kOff = 0.1;  // of a side; real lenses reach 0.02
   if (!swaps_sides(photo.orientation)) return false;
   const Intrinsics k = pinhole_part(camera);
   const auto off = [&](double width, double height) {
@@ -154,7 +154,7 @@ void settle_pixels(PosePixels& pixels) {
   }
   if (turned == 0) return;
   const bool decided = (stored > 0) != (upright > 0), all_mirrored = mirrored == pixels.photos.size();
-  // COLMAP reads the pixels as they are stored. Other programs mostly turn them first.
+  // COLMAP uses stored pixels. Most other programs apply the orientation first.
   const bool assumed_stored = decided ? stored > 0 : pixels.source == PoseSource::Colmap;
   size_t open = 0, mirrored_out = 0;
   for (PosedPhoto& p : pixels.photos) {
@@ -163,7 +163,8 @@ void settle_pixels(PosePixels& pixels) {
     p.for_stored = both ? assumed_stored : p.fits_stored;
     p.settled = !both || decided;
     if (is_mirrored(p.orientation) && !all_mirrored) {
-      // No program finds a mirrored picture's place among pictures that are not: where both fit, the pose is for the upright one.
+      // No program computes a valid pose of a mirrored picture among unmirrored ones: if both fit, the pose is for the upright
+      // one.
       p.settled = true;
       if (both) p.for_stored = false;
       p.left_out = p.for_stored;
@@ -268,7 +269,7 @@ ColmapCamera camera_on_photo(const ColmapCamera& given, const PosedPhoto& photo)
   if (model == "PINHOLE" || model == "OPENCV") {
     camera.params[0] *= sx, camera.params[1] *= sy, camera.params[2] *= sx, camera.params[3] *= sy;
   } else {
-    // A single focal length cannot be stretched: the mean of both factors is exact to the rounding of the size.
+    // A single focal length cannot be scaled anisotropically: the mean of both factors is exact up to the rounding of the size.
     camera.params[0] *= 0.5 * (sx + sy), camera.params[1] *= sx, camera.params[2] *= sy;
   }
   camera.width = static_cast<uint64_t>(to.width);

@@ -10,7 +10,7 @@ namespace vitrine {
 
 namespace {
 
-// Columns: where x, y and z of the file's camera frame point in ours.
+// Columns: x, y and z axes of the file's camera frame in the program's frame.
 struct CameraAxes {
   const char* text;
   Mat3d ours_from_file;
@@ -23,7 +23,7 @@ const CameraAxes kUnreal{"x forward, y right, z up (left-handed)", {{0, 0, 1}, {
 
 int inverse_orientation(int orientation) { return orientation == 6 ? 8 : orientation == 8 ? 6 : orientation; }
 
-// The pose before it was turned with its photo, changed, and turned again.
+// Applies a change to a pose in its original, unrotated form.
 class Unturned {
  public:
   explicit Unturned(const PosePixels& pixels) {
@@ -47,7 +47,7 @@ class Unturned {
   std::map<std::string, int> turn_;
 };
 
-// Digits count as numbers: "img2" before "img10".
+// Natural sort order: "img2" before "img10".
 bool counts_before(const std::string& a, const std::string& b) {
   size_t i = 0, j = 0;
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -86,7 +86,7 @@ std::string rule_of(PoseSource source) {
 
 namespace {
 
-// The commonest mistakes have a recipe, the others the rule.
+// Instructions for the most common mistakes; for the others the rule of the format.
 std::string fix_of(PoseSource source, const CameraAxes& axes, bool inverted) {
   const bool transforms = source == PoseSource::Transforms;
   const CameraAxes &format = transforms ? kOpenGl : kOpenCv, &other = transforms ? kOpenCv : kOpenGl;
@@ -122,7 +122,7 @@ std::vector<PoseVariant> convention_variants(const ColmapModel& model, const Pos
     v.model = unturned.changed(model, [&](const Rigid& as_read) {
       const Rigid pose = inverted ? inverse(as_read) : as_read;
       Rigid turned{turn * pose.rotation, turn * pose.translation};
-      if (mirrors) turned.rotation = turned.rotation * kUnity.ours_from_file;  // the world is mirrored with the camera
+      if (mirrors) turned.rotation = turned.rotation * kUnity.ours_from_file;  // mirrors the world with the camera
       return turned;
     });
   };
@@ -152,7 +152,7 @@ std::vector<PoseVariant> order_variants(const ColmapModel& model) {
   for (const ColmapImage& image : model.images) words.push_back(image.name);
   const size_t n = words.size();
   std::vector<PoseVariant> out;
-  // Image i of the model becomes that of the photo `name_of(i)`.
+  // Image i of the model gets the name `name_of(i)`.
   const auto add = [&](std::string what, const auto& name_of) {
     PoseVariant v{std::move(what), "give every pose the name of the photo that it belongs to", model};
     for (size_t i = 0; i < n; ++i) v.model.images[i].name = name_of(i);
@@ -207,7 +207,7 @@ ColmapModel turned_other_way(ColmapModel model, PosePixels& pixels) {
     mirrored |= is_mirrored(p.orientation);
     open[p.name] = &p;
   }
-  // Cameras of open photos are theirs alone (given_poses.cpp): each is turned once.
+  // Unsettled photos have cameras of their own (given_poses.cpp): rotate each once.
   std::map<uint32_t, int> cameras;
   for (ColmapImage& image : model.images) {
     const auto found = open.find(image.name);
@@ -235,7 +235,7 @@ ColmapModel as_cropped(ColmapModel model, const PosePixels& pixels) {
   std::map<std::string, const PosedPhoto*> photo_of;
   for (const PosedPhoto& p : pixels.photos) photo_of[p.name] = &p;
   std::map<uint32_t, const PosedPhoto*> cameras;
-  // In the upright photo: from pixels of the resized picture to those of its middle part.
+  // Upright photo: from pixels of the resized picture to those of its central crop.
   const auto middle = [](const PosedPhoto& p) {
     const bool swapped = p.for_stored && swaps_sides(p.orientation);
     const PixelSize given = swapped ? PixelSize{p.given.height, p.given.width} : p.given;
