@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kInstallHint =
     "apt-get install --no-install-recommends colmap   (or set VITRINE_COLMAP to the program)";
 
-// Our word -> the names it has had, newest last. A new COLMAP that renames an option costs one more entry here.
+// Option name of ours -> its COLMAP names, newest last. If COLMAP renames an option, add its new name here.
 const std::map<std::string, std::vector<std::string>, std::less<>>& alternatives() {
   static const std::map<std::string, std::vector<std::string>, std::less<>> table{
       {"seed", {"--random_seed", "--default_random_seed"}},
@@ -84,12 +84,12 @@ void collect_options(std::string_view line, std::set<std::string>& out) {
   }
 }
 
-// COLMAP 3.8 links Qt even for its commands: never look for a display. One thread per BLAS keeps sums in one order.
+// COLMAP 3.8 links Qt even for its commands: never open a display. One BLAS thread keeps the order of summation fixed.
 std::vector<std::pair<std::string, std::string>> child_environment() {
   return {{"QT_QPA_PLATFORM", "offscreen"}, {"OPENBLAS_NUM_THREADS", "1"}};
 }
 
-// COLMAP takes every '\\' of a path for '/'. It runs in its working folder: from there, paths hold names of ours alone.
+// COLMAP converts every '\\' of a path to '/'. Paths relative to its working folder contain only names of ours.
 std::string from_there(const std::string& value, const fs::path& working_folder) {
   const std::string folder = working_folder.string() + "/";
   return !working_folder.empty() && value.size() > folder.size() && value.starts_with(folder) ? value.substr(folder.size())
@@ -185,7 +185,7 @@ std::string colmap_fingerprint() {
     return Colmap().version();
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Dependency) throw;
-    return "none";  // poses may be given; a run that needs COLMAP says so itself
+    return "none";  // poses may be given; a run that needs COLMAP reports the error itself
   }
 }
 

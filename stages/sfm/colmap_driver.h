@@ -1,6 +1,6 @@
-// COLMAP as a child process: found through $VITRINE_COLMAP or PATH, run without a shell or a display. Options changed names
-// between versions, so every option is a word of ours with a row of alternatives, and `colmap <command> -h` decides which one
-// this program has. Neither exit codes nor progress lines are trusted: callers look at the files that a command should have left.
+// COLMAP as a child process. The program is $VITRINE_COLMAP or the first `colmap` on PATH; it runs without a shell and without a
+// display. COLMAP renamed options between versions: each option has a name of ours and a list of alternatives, and the output of
+// `colmap <command> -h` selects one. Exit codes and progress lines are not reliable: callers check the output files.
 #pragma once
 
 #include <functional>
@@ -15,11 +15,11 @@
 
 namespace vitrine {
 
-// A setting of a COLMAP command in our words (see the table in colmap_driver.cpp), or a literal "--Group.option".
+// A setting of a COLMAP command: a name of the table in colmap_driver.cpp, or a literal "--Group.option".
 struct ColmapSetting {
   std::string word;
   std::string value;
-  bool required = true;  // false: left out where this version has no such option
+  bool required = true;  // false: omitted where this version has no such option
 };
 
 struct ColmapCommand {
@@ -32,18 +32,17 @@ struct ColmapCommand {
 
 class Colmap {
  public:
-  // Throws Error{Dependency} when there is no such program, or it does not answer like COLMAP.
+  // Throws Error{Dependency} when the program is missing, or its output is not that of COLMAP.
   Colmap();
   explicit Colmap(fs::path program);
 
   const fs::path& program() const { return program_; }
   const std::string& version() const { return version_; }  // "3.8"
-  // The option's name in this version, e.g. "--SiftExtraction.use_gpu"; nullopt when the help shows none of the alternatives.
+  // Name of the option in this version, e.g. "--SiftExtraction.use_gpu"; nullopt when the help lists none of the alternatives.
   std::optional<std::string> option(const std::string& command, const std::string& word);
-  // The full argument list; throws Error{Dependency} that names a missing required option and the version.
+  // Full argument list. Throws Error{Dependency} with the missing option and the version.
   std::vector<std::string> arguments(const ColmapCommand& call);
-  // Runs it. A command that could not be started or was killed by a signal of ours throws; everything else is the caller's
-  // to judge by the files.
+  // Runs the command. Throws when it cannot start or is killed by our signal; the caller checks the files for all other failures.
   ProcessResult run(const ColmapCommand& call);
 
  private:
@@ -53,7 +52,7 @@ class Colmap {
   std::map<std::string, std::set<std::string>> help_;
 };
 
-// Version of the COLMAP that a run would use, or "none": a term of the cache key.
+// Version of the COLMAP that a run would use, or "none"; part of the cache key.
 std::string colmap_fingerprint();
 
 }  // namespace vitrine

@@ -18,9 +18,8 @@ constexpr const char* kTryAgain = "`vitrine doctor` says which colmap is used; t
 
 constexpr uint64_t kPairBase = 2147483647;  // pair_id = kPairBase * smaller id + larger id
 
-// VLFeat (the SIFT inside COLMAP) refuses to describe a keypoint in the last row of its octave and says so to nobody: the
-// descriptor is then whatever the memory held, different from run to run. The octave's row is up to 2.5 sigma of the picture
-// high.
+// VLFeat (the SIFT inside COLMAP) silently skips the descriptor of a keypoint in the last row of its octave: the descriptor is
+// uninitialised memory and differs between runs. A row of the octave covers up to 2.5 sigma of the picture.
 bool descriptor_is_undefined(std::span<const float> keypoint, double height) {
   double sigma = 1;
   if (keypoint.size() >= 6) sigma = std::sqrt(std::abs(double(keypoint[2]) * keypoint[5] - double(keypoint[3]) * keypoint[4]));
@@ -120,7 +119,7 @@ void ColmapDatabase::renumber_by_name() {
     while (s.step()) ids.push_back(s.integer(0));
   }
   std::string sql = "BEGIN;";
-  // Two moves, so that no id is taken twice on the way.
+  // Two passes, so that no id is used twice at any time.
   constexpr int64_t kAway = 1000000000;
   for (const bool away : {true, false}) {
     for (size_t i = 0; i < ids.size(); ++i) {

@@ -12,7 +12,7 @@ namespace vitrine {
 namespace {
 
 constexpr const char* kPoses = "Photos and poses";
-constexpr double kFewestPoints = 100;  // what poses and their error hang on
+constexpr double kFewestPoints = 100;  // minimum for reliable poses and a reliable error
 
 // Features per megapixel grow with texture; orientations make up to 1.4 of each found.
 double features_of(const CostTerms& t, double mpx) {

@@ -13,23 +13,23 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kFewFeatures = 150;   // a sharp, textured photo of 1000 pixels has thousands
-constexpr size_t kHardlyEnough = 400;  // features a photo that blur may be blamed for
-constexpr size_t kSmallestModel = 3;   // two views are a guess, not a model
-// Of pairs with enough raw matches: when fewer survive the geometric check than this, the matches lie on things that move with
-// the camera (reflections) or look alike (repetition).
+constexpr size_t kHardlyEnough = 400;  // features per photo, below which blur may be the cause
+constexpr size_t kSmallestModel = 3;   // two views do not make a reliable model
+// Share of the pairs with enough raw matches that pass the geometric verification. Below it the matches lie on surfaces that move
+// with the camera (reflections) or are repetitive.
 constexpr double kFewSurvive = 0.3;
-constexpr double kBlurred = 0.8;        // px: where features are few, they were smeared away
-constexpr double kOtherExposure = 1.5;  // EV from the median: SIFT forgives less than that
+constexpr double kBlurred = 0.8;        // px of edge blur that explains few features
+constexpr double kOtherExposure = 1.5;  // EV from the median; SIFT tolerates less
 constexpr double kManyPhotos = 0.25, kMostPhotos = 0.5;
 constexpr double kMostPairs = 0.6;
-constexpr double kFewAgree = 0.12;    // of the features of a photo: with its best partner
-constexpr double kFewTogether = 0.3;  // of photos that pairs connect: the pairs contradict each other
-constexpr double kGroupPhotos = 3;    // a group of so many would make a model of its own
+constexpr double kFewAgree = 0.12;    // of the features of a photo, verified with its best partner
+constexpr double kFewTogether = 0.3;  // of the photos connected by pairs: below, the pairs contradict each other
+constexpr double kGroupPhotos = 3;    // photos; a group of this size would be a model of its own
 
 constexpr double kRotationSlack = 0.06;  // of the entries of R^T R - I, root of the sum of squares; noise of a few pixels
-constexpr double kTurnDeg = 1;           // less is no turn
+constexpr double kTurnDeg = 1;           // minimum rotation angle
 
-// How far K^-1 H K, scaled to determinant 1, is from a rotation; `turn_deg` is its angle.
+// Deviation of K^-1 H K, scaled to determinant 1, from a rotation; `turn_deg` is its angle.
 double off_rotation(const std::vector<double>& h, double focal, double cx, double cy, double& turn_deg) {
   const auto column = [&](size_t c) { return Vec3d{h[c], h[3 + c], h[6 + c]}; };
   const Mat3d k{{focal, 0, 0}, {0, focal, 0}, {cx, cy, 1}};
@@ -55,7 +55,7 @@ std::optional<double> median_of(const Reconstruction& r, F&& figure) {
   return upper_median(std::move(v));
 }
 
-// Of the features that the masks leave, or of all.
+// Median number of features per photo: all, or only those not masked.
 size_t median_features(const Reconstruction& r, bool masked_too) {
   const auto features = [&](const PhotoReport& p) {
     return std::optional(double(masked_too ? p.features : p.features - p.masked));
@@ -69,7 +69,7 @@ double share_of(const Reconstruction& r, F&& holds) {
   return r.photos.empty() ? 0 : double(count) / double(r.photos.size());
 }
 
-// Of the features of a photo, the share that agrees with its best partner; median over the photos.
+// Share of the features of a photo that are verified with its best partner; median over the photos.
 std::optional<double> agreeing_share(const Reconstruction& r) {
   if (r.pairs.empty()) return std::nullopt;
   std::vector<size_t> best(r.photos.size(), 0);
@@ -159,7 +159,7 @@ std::string cause_left_out(const PhotoReport& p, const Reconstruction& r) {
 Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   const size_t have = r.model.images.size();
   const auto n = size_t(std::count_if(r.photos.begin(), r.photos.end(), [](const PhotoReport& p) { return !p.other_pass; }));
-  // A mapper invents depth for photos from one place: its model does not count then.
+  // The mapper reconstructs false depth from photos of one position: its model does not count.
   const bool turned = r.rotation_share >= kMostPairs;
   if (have >= kSmallestModel && double(have) >= config.min_registered * double(n) && !turned) return {};
   Diagnosis d;
@@ -240,7 +240,7 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
         poses_hint;
   } else if (!connected || (r.pairs_matched > 0 && survive < kFewSurvive) ||
              (have > 0 && double(have) < kFewTogether * double(largest)) || agreeing_share(r).value_or(1) < kFewAgree) {
-    // Pairs that agree two by two but not on one scene: what they show moves with the camera.
+    // Pairs that are consistent two by two but not with one scene: their content moves with the camera.
     d.code = "SFM_REFLECTIONS_DOMINATE";
     d.why = (connected && survive >= kFewSurvive
                  ? "the photos agree two by two, but not on one scene, as when most matches lie on polished surfaces, whose "

@@ -1,4 +1,4 @@
-// Says why a capture has no usable model, with the figures that show it and what to try: Error{SfmFailed}, exit code 4.
+// Diagnosis of a capture without a usable model: cause, figures and remedy. Throws Error{SfmFailed}, exit code 4.
 #pragma once
 
 #include <filesystem>
@@ -11,24 +11,24 @@ namespace vitrine {
 
 struct SfmConfig;
 
-// Did the camera only turn? Two photos from one place are related by H = K R K^-1, whatever they show. A plane seen from two
-// places has a homography, too, but K^-1 H K is then no rotation.
+// Test for a purely rotating camera. Two photos from one position are related by H = K R K^-1, for any scene. A plane seen from
+// two positions also gives a homography, but then K^-1 H K is not a rotation.
 //
-// Of the verified pairs, the share that one focal length explains as rotations (the best one of a range is taken). Photos that
-// show the same without a turn do not count. Principal point in the middle; all photos of one size.
+// Returns the share of the verified pairs that one focal length (the best of a range) explains as rotations. Identical views (no
+// rotation) do not count. Assumes a centred principal point and photos of one size.
 double rotation_share(std::span<const VerifiedPair> pairs, int width, int height);
 
-// Why this photo is not in the model: "few features (37)", "no photo matches it", ...; empty when it is registered.
+// Reason why this photo is not in the model: "few features (37)", "no photo matches it", ...; empty when it is registered.
 std::string reason_left_out(const PhotoReport& photo);
-// The same in a word: too_few_features, motion_blur, mixed_exposure, split_models, reflections_dominate, no_overlap; empty when
-// it is registered, or when poses were given.
+// Code of that reason: too_few_features, motion_blur, mixed_exposure, split_models, reflections_dominate, no_overlap; empty when
+// the photo is registered, or when poses were given.
 std::string cause_left_out(const PhotoReport& photo, const Reconstruction& r);
 struct Diagnosis {
   std::string code, message, why, hint;
 };
-// An empty `code`: the model is good enough.
+// Empty `code`: the model is good enough.
 Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config);
-// `where`: the report that was left for the reader.
+// `where`: path of the report for the user.
 [[noreturn]] void throw_diagnosis(const Diagnosis& d, const std::filesystem::path& where);
 
 }  // namespace vitrine

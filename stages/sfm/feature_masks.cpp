@@ -23,7 +23,7 @@ FeatureMaskUse use_of(const FeatureMasksConfig& c, MaskClass kind) {
   return uses[size_t(kind)];
 }
 
-// What the masks did, for the reader of the log.
+// Logs how many features each class removed.
 void log_mask_effect(const MaskEffect& effect) {
   std::string classes;
   for (MaskClass kind : kMaskClasses)
@@ -87,7 +87,7 @@ FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMas
     other_shape_ += other_shape;
     if (masks_[size_t(kind)]->matched() == 0) masks_[size_t(kind)].reset();
   }
-  // A class whose masks mark nothing is absent. Where no class has a pixel, the files are wrong.
+  // A class whose masks are all empty is ignored. If all classes are empty, the files are wrong.
   const bool any = std::any_of(masks_.begin(), masks_.end(), [](const auto& m) { return m && !m->nothing(); });
   for (auto& masks : masks_) {
     if (!masks || !masks->nothing()) continue;
@@ -142,7 +142,7 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     classes[i] = masks.classes_at(photo_of[i], features[i].xy);
   });
   std::vector<std::vector<uint32_t>> kept(n);
-  // Leaves the features of features[i] whose classes `stay`.
+  // Keeps the features of features[i] whose classes satisfy `stay`.
   const auto leave = [&](size_t i, auto&& stay) {
     PhotoFeatures& f = features[i];
     size_t to = 0;

@@ -1,7 +1,9 @@
-// Features that must not be used to find the cameras, by the user's masks (distorted photo coordinates, like the features):
-//   specular, transparent   what they show is elsewhere: in a mirror, behind glass; it moves against the scene
+// Removal of features that must not be used for pose estimation, by the user's masks (distorted photo coordinates, like the
+// features):
+//   specular, transparent   features seen in a mirror or through glass do not move with the scene
 //   ignore                  passers-by
-//   object                  everything outside, when the object stands on a turntable (turntable.h); otherwise the room helps
+//   object                  removes everything outside, when the object is on a turntable (turntable.h); else the room is used,
+//   too
 #pragma once
 
 #include <array>
@@ -43,11 +45,12 @@ class FeatureMasks {
   bool has(MaskClass kind) const { return masks_[size_t(kind)].has_value(); }
   size_t photos_with(MaskClass kind) const { return has(kind) ? masks_[size_t(kind)]->matched() : 0; }
   bool empty() const;
-  // Masks of another shape than their photo: probably drawn on undistorted photos, which do not exist yet.
+  // Number of masks whose aspect ratio differs from their photo: probably made for undistorted photos, which do not exist yet.
   size_t other_shape() const { return other_shape_; }
-  // Per feature: 1 on the object, by its mask.
+  // Per feature: 1 = inside the object mask.
   std::vector<uint8_t> on_object(size_t photo, std::span<const float> xy) const;
-  // Per feature: bit `1 << class` where it lies in the mask. A photo without a mask lies in no class, but wholly on the object.
+  // Per feature: bit `1 << class` where it lies in the mask. Without a mask a photo has no class bits, except that all of it is
+  // object.
   std::vector<uint8_t> classes_at(size_t photo, std::span<const float> xy) const;
   bool has_mask(MaskClass kind, size_t photo) const { return has(kind) && masks_[size_t(kind)]->file(photo).has_value(); }
   double longest_side(size_t photo) const { return sides_[photo]; }
@@ -60,21 +63,21 @@ class FeatureMasks {
   size_t other_shape_ = 0;
 };
 
-// Of those that the other masks leave. ByTurntable: all, or those of the object where it turns (turntable.h).
+// Features used, of those that the other masks keep. ByTurntable: all, or those of the object if it turns (turntable.h).
 enum class UsedFeatures { ByTurntable, All, Surroundings };
 
-// What masks did to the features of a capture.
+// Effect of the masks on the features of a capture.
 struct MaskEffect {
   std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
-  size_t before = 0, after = 0;                             // a feature in two masks is removed once
+  size_t before = 0, after = 0;                             // features; a feature in two masks counts once
   std::vector<size_t> removed_of_photo;                     // [photo]
   Turntable turntable = Turntable::Auto;                    // the option
   bool object_applied = false;
   std::optional<TurntableEvidence> evidence;  // for "auto" with masks of the object
 };
 
-// Takes the features out of `features`; returns for every photo what the features that stay were called before.
-// `photo_of[i]`: index of the photo that features[i] belongs to.
+// Removes masked features from `features`; returns, per photo, the previous indices of the remaining features. `photo_of[i]`:
+// photo index of features[i].
 std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used,
                                                      std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
                                                      MaskEffect& effect);

@@ -29,7 +29,7 @@ std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& phot
     if (known != nullptr) {
       const auto image =
           std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
-      if (image == known->images.end()) continue;  // photos without a pose take no part
+      if (image == known->images.end()) continue;  // photos without a pose are not used
       key = fmt::format("camera {}", image->camera_id);
     }
     by_key[key].push_back(i);
@@ -66,7 +66,7 @@ void write_match_list(const fs::path& path, std::span<const PhotoPair> pairs, st
   write_file(path, std::string_view(text.data(), text.size()));
 }
 
-// Where passes are known: the features of the object, which alone match between photos of two passes.
+// Features of the object when passes are known: between photos of two passes only these are matched.
 class ObjectFeatures {
  public:
   ObjectFeatures(const ReconstructDesc& desc, std::span<const size_t> photo_of, std::span<const PhotoFeatures> features)
@@ -97,10 +97,10 @@ class ObjectFeatures {
  private:
   const std::vector<size_t>& pass_of_;
   std::vector<PackedDescriptors> packed_;
-  std::vector<std::vector<uint32_t>> index_;  // of the packed descriptors among all of the photo
+  std::vector<std::vector<uint32_t>> index_;  // index of the packed descriptors among all features of the photo
 };
 
-// The last lines that COLMAP printed are the best evidence there is.
+// The last lines of COLMAP's output are the best available evidence.
 [[noreturn]] void throw_colmap_failed(const std::string& command, const std::string& what, const ProcessResult& result) {
   constexpr size_t kTail = 600;
   const std::string tail = result.tail.size() > kTail ? result.tail.substr(result.tail.size() - kTail) : result.tail;
@@ -160,7 +160,8 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
                                     {"camera_model", model},
                                     {"single_camera", "1"},
                                     {"extract_gpu", "0"},
-                                    // With rigs and frames ids cannot be mended afterwards: one thread gives them in order.
+                                    // With rigs and frames the ids cannot be renumbered later: use one thread, which numbers them
+                                    // in order.
                                     {"extract_threads", std::to_string(frames ? 1 : desc.threads)},
                                     {"max_features", std::to_string(effort.max_features)},
                                     {"peak_threshold", fmt::format("{}", effort.peak_threshold)},
@@ -177,7 +178,7 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
     if (config.max_image_size > 0) call.settings.push_back({"extract_max_size", std::to_string(config.max_image_size)});
     if (!params.empty()) call.settings.push_back({"camera_params", params});
     const ProcessResult result = colmap.run(call);
-    // An unreadable picture is left out with exit code 0; a group without a single row means that the program itself failed.
+    // COLMAP skips unreadable pictures with exit code 0; a group without any row means that the program failed.
     const std::vector<PhotoFeatures> found = ColmapDatabase(database).features();
     if (std::none_of(groups[g].begin(), groups[g].end(), [&](size_t i) {
           return std::any_of(found.begin(), found.end(), [&](const PhotoFeatures& f) { return f.name == safe_name(i); });
@@ -190,7 +191,7 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database) {
   std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
   Timer timer;
-  // Index in `features` and index of the photo differ when a picture could not be read.
+  // Indices in `features` and of the photos differ when a picture could not be read.
   std::vector<size_t> photo_of;
   for (const PhotoFeatures& f : features) {
     const std::optional<size_t> photo = index_of_safe_name(f.name);
@@ -277,7 +278,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
     if (ColmapDatabase(part).examined_pairs() != chunk_pairs.size())
       throw_colmap_failed("matches_importer", "did not examine all pairs", result);
     const std::lock_guard lock(reporting);
-    target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
+    target.take_geometries(part);  // rows are keyed by pair: the result does not depend on the order of arrival
     fs::remove(part);
     verified += chunk_pairs.size();
     if (desc.progress)

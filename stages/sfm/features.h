@@ -1,4 +1,4 @@
-// The first half of a reconstruction: a database with features, matches and two-view geometries.
+// Feature extraction and matching: fills a database with features, matches and two-view geometries.
 #pragma once
 
 #include "stages/sfm/feature_masks.h"
@@ -7,13 +7,13 @@
 
 namespace vitrine {
 
-// Names inside the database are plain numbers: spaces and letters outside ASCII break COLMAP's list files.
+// Image names in the database are plain numbers: spaces and non-ASCII letters break COLMAP's list files.
 std::string safe_name(size_t index);  // "000012.png"
 std::optional<size_t> index_of_safe_name(const std::string& name);
 
 struct FeatureEffort {
   int max_features = 8192;
-  double peak_threshold = 0.02 / 3;  // contrast threshold of SIFT; lower finds more and weaker features
+  double peak_threshold = 0.02 / 3;  // contrast threshold of SIFT; a lower value finds more and weaker features
 };
 
 struct MatchCounts {
@@ -22,9 +22,9 @@ struct MatchCounts {
   std::optional<MaskEffect> masks;
 };
 
-// Into work/pictures, under safe names; returns the folder.
+// Links the pictures into work/pictures under safe names; returns the folder.
 fs::path link_pictures(const ReconstructDesc& desc);
-// Links the pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.
+// Links the pictures and fills work/<database>. `known` (optional): camera per photo, replaces the priors.
 void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
                       const fs::path& database, const ColmapModel* known);
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database);

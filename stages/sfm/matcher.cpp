@@ -1,6 +1,6 @@
 #include "stages/sfm/matcher.h"
 
-// GCC 12 takes the deliberately undefined pass-through operand of its own AVX-512 headers for a bug (GCC PR 105593).
+// GCC 12 warns about the deliberately undefined pass-through operand of its own AVX-512 headers (GCC PR 105593).
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <immintrin.h>
@@ -28,7 +28,7 @@ struct alignas(64) TopTwo {
   int32_t best[Lanes], second[Lanes], index[Lanes];
 };
 
-// What both kernels fill. Rows keep one lane per column residue (mod Lanes) until the end; columns are lanes by themselves.
+// Output of both kernels. Rows keep one lane per column residue (mod Lanes) until the end; columns map to lanes directly.
 template <size_t Lanes>
 struct Tables {
   std::vector<TopTwo<Lanes>> rows;     // [padded rows]

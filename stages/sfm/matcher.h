@@ -1,10 +1,10 @@
-// Exhaustive descriptor matching as one fused matrix product: for two photos with n1 and n2 SIFT descriptors (128 bytes each)
-// the n1 x n2 inner products are formed block by block, and only the best two of every row and column survive a block.
+// Exhaustive descriptor matching as one fused matrix product: for two photos with n1 and n2 SIFT descriptors (128 bytes each) it
+// forms the n1 x n2 inner products block by block and keeps only the best two of every row and column.
 //
-// Rules as in COLMAP's brute-force matcher, so that its thresholds keep their meaning: descriptors have length 512, the
-// distance is the angle  d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= kMaxMatchAngle, d1 < kMaxMatchRatio * d2
-// (d2 = second best, pi/2 when there is none), for the row and for the column, and both name each other (cross-check). Ties go to
-// the lower index. All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give the same matches, bit by bit.
+// Same rules as COLMAP's brute-force matcher, so that its thresholds apply: descriptors have length 512, the distance is the
+// angle d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= kMaxMatchAngle and d1 < kMaxMatchRatio * d2 (d2 = second
+// best, pi/2 when there is none), for the row and for the column, and each is the best match of the other (cross-check). Ties go
+// to the lower index. All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give bit-identical matches.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ inline constexpr double kMaxMatchAngle = 0.7;  // between two matching descripto
 enum class MatchKernel { Automatic, Avx2, Avx512Vnni };
 bool available(MatchKernel kernel);  // on this machine
 
-// Descriptors laid out for the kernels. Build once per photo, use for every pair.
+// Descriptors in the memory layout of the kernels. Build once per photo, use for every pair.
 class PackedDescriptors {
  public:
   PackedDescriptors() = default;
@@ -39,7 +39,7 @@ class PackedDescriptors {
   MatchKernel kernel_ = MatchKernel::Avx2;
   std::vector<int8_t> signed_rows_;         // VNNI: descriptor - 128, row by row
   std::vector<uint8_t> panels_;             // VNNI: [vector of 16][32 quads][16 columns][4 bytes]
-  std::vector<int32_t> offsets_;            // VNNI: 128 * sum of a column's bytes, undoes the -128 of the rows
+  std::vector<int32_t> offsets_;            // VNNI: 128 * sum of a column's bytes, compensates for the -128 of the rows
   std::vector<int16_t> rows16_, panels16_;  // AVX2: rows, and [vector of 8][64 pairs][8 columns][2 values]
 };
 

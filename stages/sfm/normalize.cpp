@@ -14,11 +14,11 @@ namespace vitrine {
 
 namespace {
 
-// Agreement (length of a mean of unit vectors) above which directions count as parallel: about 25 degrees of spread.
+// Length of a mean of unit vectors above which the directions count as parallel: about 25 degrees of spread.
 constexpr double kParallel = 0.9;
-// Plane of the cameras: thickness over width below which a ring is flat enough to know better than the cameras' own level.
+// Thickness over width of the camera ring below which its plane normal is more precise than the cameras' roll.
 constexpr double kFlatRing = 0.03;
-constexpr double kRingTilt = 0.966;  // cos 15 degrees: beyond this the plane is not the ring's, but a staircase or a slope
+constexpr double kRingTilt = 0.966;  // cos 15 degrees: beyond it the path is a staircase or a slope, not a level ring
 
 Eigen::Vector3d eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d ours(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -68,8 +68,8 @@ double median_zdepth(const ColmapModel& model) {
   return upper_median(std::move(depths));
 }
 
-// Everyone looks the same way, and either the tops of the pictures point everywhere, or the cameras cover an area (not a line) as
-// wide as the scene is far: a flight over ground, not a walk along a wall.
+// All cameras have the same viewing direction, and either the image up vectors differ, or the cameras cover an area (not a line)
+// as wide as the distance of the scene: a flight over ground, not a walk along a wall.
 bool looks_straight_down(const ColmapModel& model, const Cameras& c) {
   if (length(c.mean_forward) < kParallel) return false;
   if (length(c.mean_up) < 0.7) return true;
@@ -83,7 +83,7 @@ std::optional<Vec3d> up_from_right_vectors(const Cameras& c) {
   std::vector<double> weight(c.right.size(), 1.0);
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   constexpr int kRounds = 10;
-  constexpr double kLevelSigma = 0.05;  // about 3 degrees of roll is how people hold cameras
+  constexpr double kLevelSigma = 0.05;  // about 3 degrees: typical roll of hand-held cameras
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
     double total = 0;
@@ -92,7 +92,7 @@ std::optional<Vec3d> up_from_right_vectors(const Cameras& c) {
       total += weight[i];
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m / total);
-    // The second direction must be well covered: headings have to differ by some 15 degrees at least.
+    // The second eigenvalue must be large enough: headings have to differ by at least about 15 degrees.
     if (solver.eigenvalues()(1) < 0.02) return std::nullopt;
     up = solver.eigenvectors().col(0);
     for (size_t i = 0; i < c.right.size(); ++i) {
@@ -127,7 +127,7 @@ Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orient
   const Cameras c = cameras_of(model);
   VITRINE_CHECK(!c.centres.empty(), "no camera to orient a scene by");
   const Vec3d z = normalized(orientation.up);
-  // Heading: the first camera's direction from the centroid, so that the frame follows from the model alone.
+  // Heading: direction from the centroid to the first camera, so that the frame depends only on the model.
   Vec3d x{};
   for (const Vec3d& seed : {c.centres[0] - c.centroid, c.right[0], Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}) {
     x = seed - dot(seed, z) * z;

@@ -1,4 +1,4 @@
-// The frame of the scene: up = +z, centroid of the cameras 0, 95 % of the cameras within radius 1 (core/conventions.md).
+// Scene frame: up = +z, camera centroid at 0, 95 % of the cameras within radius 1 (core/conventions.md).
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ struct Orientation {
   UpMethod method;  // never Auto
 };
 
-// Photos are upright (EXIF applied), so people hold cameras level: the right vectors x_i of the cameras are horizontal and
+// Up vector of the scene. Photos are upright (EXIF applied) and people hold cameras level, so the right vectors x_i of the
+// cameras are horizontal:
 //   up = argmin sum_i w_i (x_i . up)^2       (smallest eigenvector, re-weighted against tilted shots; sign from the mean up
 //   vector).
 // When all cameras look the same way this is one direction short, and the mean up vector decides. Cameras in a flat ring

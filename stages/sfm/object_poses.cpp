@@ -23,19 +23,19 @@ constexpr double kSameDirection = 0.966;                    // cosine of 15 degr
 constexpr double kSameDistance = 1.4;                       // ratio
 constexpr size_t kFewestCameras = 2;                        // on each side
 constexpr size_t kNeighbourhood = 16;                       // points
-constexpr double kFreely = 0.3;                             // of the tracks around a point span the place
+constexpr double kFreely = 0.3;                             // of the tracks around a point that cross the split in name order
 constexpr size_t kFewestMoved = 100, kFewestStanding = 50;  // points
-constexpr double kLeastMoved = 0.1;                         // of the points that cameras on both sides look at
-constexpr double kStepOfMatches = 2.0 / 3;                  // of the angle below which nine of ten matching pairs are apart
+constexpr double kLeastMoved = 0.1;                         // of the points viewed by cameras of both sides
+constexpr double kStepOfMatches = 2.0 / 3;                  // of the viewing angle that contains 90 % of the matching pairs
 
-// Of each point the photos, in name order: which see it, and which look at it as one of these does.
+// Per point, the photos in name order: those that see it, and those with a similar viewing direction and distance.
 struct Visibility {
   std::vector<std::vector<uint8_t>> sees, looks;  // [point][photo]
 };
 
 Visibility visibility_of(const ColmapModel& model) {
   const size_t photos = model.images.size();
-  std::vector<View> views;  // without distortion, which moves nothing by a tenth of the picture
+  std::vector<View> views;  // without distortion, whose effect is below a tenth of the picture
   std::vector<Vec3d> centres;
   std::map<uint32_t, size_t> index;
   for (const ColmapImage& image : model.images) {
@@ -68,13 +68,13 @@ Visibility visibility_of(const ColmapModel& model) {
   return v;
 }
 
-// Without masks of the object: which points of a model belong to something that was moved between the photos before and after
-// some place in name order?
+// Finds, without object masks, the points of a region that was moved between the photos before and after some split in name
+// order.
 //
-// Cameras before and after that place look at a point from nearly the same direction. What stands still is found on both sides:
-// tracks of its points span the place. What was moved looks different from the same direction: no track of its points does. The
-// place at which most points are surrounded by points without such tracks is taken; all other points around must span it freely.
-// [model.points] 1: of the moved region. Empty: nothing was moved.
+// Cameras before and after the split view a point from nearly the same direction. Static points are matched on both sides: their
+// tracks cross the split. A moved region looks different from the same direction: none of its tracks cross the split. Selects the
+// split with most points surrounded by such points; the tracks of all other points in view must cross it freely. Returns
+// [model.points] 1: in the moved region; empty: nothing moved.
 std::vector<uint8_t> moved_region(const ColmapModel& model) {
   const size_t photos = model.images.size(), points = model.points.size();
   if (photos < 2 * kSmallestPass || points < kFewestMoved + kFewestStanding) return {};
@@ -120,7 +120,7 @@ size_t passes_in(const Passes& passes, const ColmapModel& model) {
   }));
 }
 
-// [photo] Photos of no pass have that of the photo before them in name order.
+// [photo] index of its pass. Photos of no pass take that of the previous photo in name order.
 std::vector<size_t> pass_of_each(std::span<const SfmPhoto> photos, const Passes& passes) {
   std::vector<size_t> of(photos.size(), 0);
   for (size_t i = 0; i < photos.size(); ++i) {
@@ -130,7 +130,7 @@ std::vector<size_t> pass_of_each(std::span<const SfmPhoto> photos, const Passes&
   return of;
 }
 
-// With the photos of the model that no pass has.
+// The passes, completed by the photos of the model that are in no pass.
 Passes completed(const Passes& passes, std::span<const SfmPhoto> photos, const ColmapModel& model) {
   const std::vector<size_t> of = pass_of_each(photos, passes);
   Passes all(passes.size());
@@ -141,7 +141,7 @@ Passes completed(const Passes& passes, std::span<const SfmPhoto> photos, const C
   return all;
 }
 
-// The description of a further reconstruction of the same photos; the progress stays at the end of the first.
+// Description of another reconstruction of the same photos; the progress bar stays at the end of the first.
 ReconstructDesc further(const ReconstructDesc& desc, const char* folder, UsedFeatures used) {
   ReconstructDesc out = desc;
   out.work_folder = desc.work_folder / folder;
@@ -166,8 +166,8 @@ std::vector<ColmapModel> models_of_surroundings(Colmap& colmap, const SfmConfig&
   return models;
 }
 
-// Photos between the lowest ones of two passes, in steps that still match; by how far the object's features match, and as if it
-// was turned upside down.
+// Estimated number of photos needed between the lowest cameras of two passes, in steps that still match (`furthest_match`),
+// assuming that the object was turned upside down.
 size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest_match) {
   std::vector<double> elevations;
   for (const ColmapImage& image : model.images)
@@ -185,12 +185,12 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
   for (size_t i = 0; i < on_object.size(); ++i) on_object[i] = masks.on_object(i, matches.xy[i]);
   const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
-  // Poses may follow the object in some photos and its surroundings in others: then the surroundings by themselves show it.
+  // Poses may follow the object in some photos and its surroundings in others: a model of the surroundings alone detects that.
   const std::vector<ColmapModel> surroundings = models_of_surroundings(colmap, config, desc, together);
   ObjectPasses out{.passes = evidence.passes.empty() ? passes_by_motion(together.model, surroundings) : evidence.passes,
                    .contradicting = evidence.pairs,
                    .furthest_match = evidence.furthest_match};
-  // What surrounds the object has to be one thing in several passes; else it proves nothing against the object.
+  // One model of the surroundings must contain several passes; otherwise there is no evidence that the object moved.
   const bool surrounded = std::any_of(surroundings.begin(), surroundings.end(),
                                       [&](const ColmapModel& model) { return passes_in(out.passes, model) > 1; });
   if (out.passes.empty() || !surrounded || turns_in_most_photos(together.model, surroundings)) return {};
@@ -205,7 +205,7 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
     }
     return out;
   }
-  // Its poses follow the object in all photos: now the passes are known well.
+  // The joined poses follow the object in all photos: recompute the passes from them.
   Passes passes = passes_by_motion(joined.model, surroundings);
   if (passes.empty()) {
     log_info("sfm: the object stands still with its surroundings after all");
@@ -225,7 +225,7 @@ ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruct
   const std::vector<uint8_t> moved = moved_region(together.model);
   if (moved.empty()) return {};
   const FoundMatches matches = found_matches(desc.photos, together.database, MatchKind::Descriptors);
-  // The features that show the region. The model has them by their place in the picture.
+  // Features of the moved region. The model stores them by pixel position.
   std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
   for (size_t i = 0; i < on_object.size(); ++i) {
     on_object[i].assign(matches.xy[i].size() / 2, 0);

@@ -1,5 +1,5 @@
-// Poses where the object was moved between passes of photos (passes.h). With masks of the object its own features join the
-// passes; within a pass all features find the poses, since there its surroundings stand still with it.
+// Camera poses for captures in which the object was moved between passes of photos (passes.h). With object masks, the object's
+// features join the passes; within a pass all features are used, because the surroundings did not move relative to the object.
 #pragma once
 
 #include "stages/sfm/normalize.h"
@@ -9,22 +9,22 @@
 namespace vitrine {
 
 struct ObjectPasses {
-  Passes passes = {};  // empty: the object was not moved, as far as the photos show
+  Passes passes = {};  // empty: no motion of the object detected
   PosesOf poses = PosesOf::Object;
   size_t contradicting = 0;  // pairs of photos
   bool joined() const { return !passes.empty() && poses == PosesOf::Object; }
   double furthest_match = 0;  // degrees between the viewing directions of photos that still match on the object
 };
 
-// `together`: what all features gave. Replaced by the reconstruction of the object's features where these show that the object
-// was moved, or by the photos of the largest pass where they do not join the passes. `masks` has masks of the object.
+// `together`: the reconstruction from all features. Replaced by that from the object's features if these prove that the object
+// was moved, or by the photos of the largest pass if they do not join the passes. `masks` contains object masks.
 ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
                              Reconstruction& together);
 
-// Without masks of the object the poses stay what they are, of its surroundings or its own.
+// Without object masks the poses are kept, whether they follow the surroundings or the object.
 ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruction& together);
 
-// Without the points that most of their photos show outside the object: what surrounds it stands elsewhere in each pass.
+// Removes the points that lie outside the object in most of their photos: the surroundings have another position in each pass.
 ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> photos, const FeatureMasks& masks);
 
 // What the stage says of the passes, and sfm/passes.json. `up`: the option, for the elevation of the cameras of `model`.

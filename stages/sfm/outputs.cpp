@@ -33,7 +33,7 @@ void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion&
   make_folders(linear_to.parent_path());
   make_folders(ldr_to.parent_path());
   if (u.identity) {
-    // Nothing to resample: the ingested bytes are the undistorted picture.
+    // No resampling: the ingested bytes are the undistorted picture.
     link_or_copy(linear_from, linear_to);
     if (is_png(photo.name)) {
       link_or_copy(ldr_from, ldr_to);

@@ -1,4 +1,4 @@
-// What the stage leaves for the others: undistorted pictures and cameras, and the report.
+// Outputs of the stage: undistorted pictures and cameras, and the report.
 #pragma once
 
 #include <functional>
@@ -16,13 +16,13 @@ namespace vitrine {
 struct PicturesDesc {
   std::filesystem::path ingest, output;
   std::span<const Photo> photos;                // of the capture
-  const ColmapModel* model = nullptr;           // before undistortion: which photos, which camera
+  const ColmapModel* model = nullptr;           // before undistortion: photos and their cameras
   std::span<const Undistortion> undistortions;  // per camera of the model
   std::function<void(size_t done)> progress;
 };
 
-// The model without lens distortion. Cameras become PINHOLE, observations follow, 2D points without a 3D point leave. Points seen
-// less than twice leave, too.
+// The model without lens distortion. Cameras become PINHOLE and observations are undistorted. Removes 2D points without a 3D
+// point, and points seen less than twice.
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera);
 
 // linear/<stem>.exr and images/<name> for every photo of the model.
@@ -35,16 +35,16 @@ struct SfmReportDesc {
   std::span<const Undistortion> undistortions = {};
   Orientation orientation = {};
   FilterCounts points = {};
-  const ObjectPasses* passes = nullptr;  // null: not looked for
+  const ObjectPasses* passes = nullptr;  // null: not searched
   std::string code = {};                 // of the diagnosis, for a failed run
 };
 
-// Evidence: a square for every pair of photos in name order, darker blue with more verified matches; on the diagonal green with a
-// pose, red without.
+// Match matrix: one square per pair of photos in name order, darker blue = more verified matches; diagonal: green = registered,
+// red = not.
 void write_match_matrix(const std::filesystem::path& path, const Reconstruction& r);
 
 void write_sfm_report(const std::filesystem::path& path, const SfmReportDesc& desc);
-// The lenses as photographed and undistorted, and the photos without a camera: read by core/intake/poses/photo_lenses.h.
+// Writes the original and undistorted lenses, and the photos without a camera; read by core/intake/poses/photo_lenses.h.
 void write_lenses(const std::filesystem::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
                   const Reconstruction& reconstruction);
 

@@ -13,15 +13,15 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kWords = 64;                // of the vocabulary: 64 x 128 floats describe a photo
+constexpr size_t kWords = 64;                // vocabulary size: 64 x 128 floats describe a photo
 constexpr size_t kSamplesPerPhoto = 200;     // for learning the vocabulary
-constexpr size_t kDescribedPerPhoto = 2000;  // the first, coarsest features: VLAD needs no more
+constexpr size_t kDescribedPerPhoto = 2000;  // the first, coarsest features: enough for VLAD
 constexpr int kLearningRounds = 8;
 
-constexpr size_t kPairsPerChunk = 48;  // a process costs 20 ms to start; a pair takes up to 200
-constexpr size_t kMaxChunks = 16;      // of a class
+constexpr size_t kPairsPerChunk = 48;  // a process takes 20 ms to start, a pair up to 200 ms
+constexpr size_t kMaxChunks = 16;      // per class of match counts
 constexpr double kLeastRatio = 0.25;
-constexpr double kClassWidth = 1.25;  // most matches of a class over its fewest
+constexpr double kClassWidth = 1.25;  // ratio of the largest to the smallest match count of a class
 
 using Word = std::array<float, kDescriptorBytes>;
 
@@ -68,7 +68,7 @@ std::vector<Word> vocabulary(std::span<const PhotoFeatures> photos, uint64_t see
   return words;
 }
 
-// Sum of differences to the nearest word, per word; signed square roots, then unit length.
+// VLAD: sum of differences to the nearest word, per word; then signed square root and L2 normalisation.
 std::vector<float> global_descriptor(const PhotoFeatures& photo, const std::vector<Word>& words) {
   std::vector<float> out(words.size() * kDescriptorBytes, 0.f);
   for (size_t i = 0; i < std::min(photo.count, kDescribedPerPhoto); ++i) {
@@ -134,14 +134,14 @@ std::vector<PhotoPair> candidate_pairs(std::span<const PhotoFeatures> photos, co
 std::vector<VerifyChunk> verify_chunks(std::span<const size_t> matches, size_t min_inliers) {
   const double fewest = double(std::max<size_t>(min_inliers, 1));
   const auto class_of = [&](double n) { return n > fewest ? static_cast<int>(std::log(n / fewest) / std::log(kClassWidth)) : 0; };
-  const int last = class_of(fewest / kLeastRatio);  // from here on COLMAP's own share is the larger one
+  const int last = class_of(fewest / kLeastRatio);  // from here on COLMAP's default ratio is larger
   std::map<int, std::vector<size_t>> classes;
   for (size_t i = 0; i < matches.size(); ++i) classes[std::min(last, class_of(double(matches[i])))].push_back(i);
   std::vector<VerifyChunk> chunks;
   for (const auto& [kind, members] : classes) {
     const double ratio = kind == last ? kLeastRatio : std::max(kLeastRatio, std::pow(kClassWidth, -(kind + 1)));
     const size_t count = std::min(kMaxChunks, chunk_count(members.size(), kPairsPerChunk));
-    // Interleaved, so that every chunk has its share of overlapping pairs.
+    // Interleaved, so that every chunk has a similar share of overlapping pairs.
     for (size_t c = 0; c < count; ++c) {
       VerifyChunk chunk{.pairs = {}, .inlier_ratio = ratio};
       for (size_t i = c; i < members.size(); i += count) chunk.pairs.push_back(members[i]);

@@ -15,7 +15,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kAgree = 15, kContradict = 25;  // matches
-// Of the longest side, from the epipolar line: 4 pixels of 1000. These poses come from the same matches.
+// Distance from the epipolar line, relative to the longest side: 4 pixels of 1000. The poses come from the same matches.
 constexpr double kFits = 0.004;
 constexpr double kMostAgree = 0.5, kFewAgree = 0.3;
 constexpr double kSameDirectionDeg = 20, kSameRollDeg = 30;
@@ -37,7 +37,7 @@ struct PairEvidence {
   bool agrees(int side) const { return of[size_t(side)].agree >= kAgree && of[size_t(side)].share() >= kMostAgree; }
 };
 
-// Matches of one side alone; a match between the two sides belongs to neither.
+// Matches of one side; a match between the two sides belongs to neither.
 std::vector<PhotoMatches> matches_of(const FoundMatches& matches, std::span<const std::vector<uint8_t>> on_object, int side) {
   std::vector<PhotoMatches> out;
   for (size_t p = 0; p < matches.pairs.size(); ++p) {
@@ -90,8 +90,8 @@ class PassSearch {
            std::min(features_[e.a][size_t(side)], features_[e.b][size_t(side)]) >= kEnoughFeatures;
   }
 
-  // The group of each photo, by agreement of one side: pairs of the most matches first. A pair that agrees by chance does not
-  // join two groups between which more pairs contradict.
+  // Groups the photos by agreement on one side, pairs with the most matches first. An accidentally agreeing pair does not join
+  // two groups with more contradicting pairs between them.
   std::vector<size_t> groups_by(int side) const {
     std::vector<const PairEvidence*> order;
     for (const PairEvidence& e : pairs_)
@@ -114,7 +114,7 @@ class PassSearch {
     return group;
   }
 
-  // Passes by one side: its groups of at least kSmallestPass photos between which pairs contradict. Empty: fewer than two.
+  // Passes of one side: groups of at least kSmallestPass photos with contradicting pairs between them. Empty: fewer than two.
   Passes passes(int side, size_t& contradicting) const {
     const std::vector<size_t> group = groups_by(side);
     std::vector<size_t> size(count_, 0);
@@ -127,7 +127,7 @@ class PassSearch {
       if (n >= kFewestContradicting && std::min(size[pair.first], size[pair.second]) >= kSmallestPass)
         proven.insert({pair.first, pair.second});
     if (proven.size() < 2) return {};
-    // A photo of no such group belongs where the photos beside it in name order do.
+    // Other photos join the group of their nearest neighbours in name order.
     std::vector<size_t> of = group;
     for (size_t i = 0; i < count_; ++i)
       for (size_t apart = 1; !proven.contains(of[i]) && apart < count_; ++apart)
@@ -151,14 +151,14 @@ class PassSearch {
 
  private:
   size_t count_;
-  std::vector<std::string> names_;               // [photo] empty: it has no pose
+  std::vector<std::string> names_;               // [photo] empty: no pose
   std::vector<std::array<size_t, 2>> features_;  // [photo][side]
   std::vector<PairEvidence> pairs_;
 };
 
 struct StandingGroups {
-  Passes passes;                 // of photos in which the object stands alike; empty where nothing was moved
-  size_t photos = 0, alone = 0;  // with poses in both models; of these in no group
+  Passes passes;                 // groups of photos with equal orientation of the object; empty: no motion
+  size_t photos = 0, alone = 0;  // photos with poses in both models; of these in no group
 };
 
 StandingGroups standing_groups(const ColmapModel& object, std::span<const ColmapModel> surroundings) {
@@ -168,7 +168,7 @@ StandingGroups standing_groups(const ColmapModel& object, std::span<const Colmap
   bool moved = false;
   std::set<std::string> placed;  // COLMAP's models may share photos
   for (const ColmapModel& model : surroundings) {
-    std::vector<Mat3d> stands;  // of each group, surroundings_from_object of its first photo
+    std::vector<Mat3d> stands;  // [group] surroundings_from_object of its first photo
     Passes groups;
     for (const ColmapImage& image : model.images) {
       const auto turn = object_turn.find(image.name);
@@ -197,7 +197,7 @@ MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& mat
                                std::span<const std::vector<uint8_t>> on_object) {
   const PassSearch search(poses, matches, on_object);
   MotionEvidence out;
-  // The poses follow one of the two sides; the other one contradicts.
+  // The poses follow one of the two sides; the other one contradicts them.
   for (int side : {kObject, kSurroundings}) {
     size_t contradicting = 0;
     Passes found = search.passes(side, contradicting);

@@ -1,13 +1,12 @@
-// Was the object moved against its surroundings between groups of photos? Object photography works in passes: a pass of photos,
-// the object turned over, a second pass. Between two passes the object has one motion and its surroundings have another, so that
-// no poses fit both.
+// Detection of an object that was moved against its surroundings between passes of photos. Typical capture: one pass of photos,
+// turn the object over, second pass. Between the passes the object and its surroundings have different rigid motions, so no
+// single set of poses fits both.
 //
-// Evidence is collected for pairs of photos, with poses that some of the features decided. On each side (the object, its
-// surroundings) a pair
+// Input: pairs of photos, with poses computed from some of the features. On each side (object, surroundings) a pair
 //   agrees       at least 15 matches fit the poses, and half of all
-//   contradicts  the other side agrees, and either at least 25 matches exist that do not fit, or the cameras look from nearly the
-//                same direction and hardly a match fits, although both photos have features of this side
-// Photos that pairs connect by agreement are a group. Two groups of at least 3 photos with at least 3 contradicting pairs between
+//   contradicts  the other side agrees, and either at least 25 matches do not fit, or the cameras have nearly the same viewing
+//                direction and hardly any match fits, although both photos have features of this side
+// Photos connected by agreeing pairs form a group. Two groups of at least 3 photos with at least 3 contradicting pairs between
 // them are two passes.
 #pragma once
 
@@ -25,24 +24,24 @@ namespace vitrine {
 inline constexpr size_t kSmallestPass = 3;  // photos
 
 struct MotionEvidence {
-  Passes passes;              // fewer than two: nothing contradicts
+  Passes passes;              // fewer than two: no contradiction
   size_t pairs = 0;           // pairs in which one side contradicts
   double furthest_match = 0;  // degrees between the viewing directions of photos that agree on the object, 90 % quantile
 };
 
-// `on_object` [photo][feature]: 1 where the feature lies on the object. `matches`: by descriptors, before any verification.
+// `on_object` [photo][feature]: 1 = on the object. `matches`: by descriptors, before verification.
 MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& matches,
                                std::span<const std::vector<uint8_t>> on_object);
 
-// The same by two sets of poses: groups of at least 3 photos in which the object stands alike relative to its surroundings, to 5
-// degrees. Photos of different models of the surroundings (the largest first) are in different groups. Fewer than two groups
-// within each model: nothing was moved, and the result is empty.
+// Same from two sets of poses: groups of at least 3 photos in which the object has the same orientation relative to its
+// surroundings, within 5 degrees. Photos of different models of the surroundings (the largest first) are in different groups.
+// Empty if no model has two groups: the object was not moved.
 Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings);
 
-// The same way: the object stands otherwise in most photos, as on a turntable before a room that is seen, too.
+// True if the object has another orientation in most photos, as on a turntable in a visible room.
 bool turns_in_most_photos(const ColmapModel& object, std::span<const ColmapModel> surroundings);
 
-// The photos of `model` that are in `photos`, and the points that they see.
+// The photos of `model` that are listed in `photos`, and the points that they observe.
 ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos);
 
 }  // namespace vitrine

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMaxErrorPx = 2;                           // mean reprojection error of a point
 constexpr double kMinAngle = 1.5 * std::numbers::pi / 180;  // between two rays to a point
 constexpr size_t kMinViews = 2;                             // photos that see a point
-constexpr double kOutlierSigma = 3;                         // deviations of its distance to its neighbours
+constexpr double kOutlierSigma = 3;                         // robust deviations of the distance to the neighbours
 
 }  // namespace
 
@@ -75,7 +75,7 @@ ColmapModel filtered(const ColmapModel& model, FilterCounts& counts) {
     counts.small_angle += !large_error && !few && !behind && small;
     good[p.id] = !large_error && !few && !behind && !small;
   }
-  // Lonely points: distances to neighbours spread over orders of magnitude (near object, far walls), hence logarithms, and
+  // Isolated points: distances to neighbours range over orders of magnitude (near object, far walls), hence logarithms, and
   // median and MAD instead of mean and deviation.
   constexpr size_t kNeighbours = 8;
   std::vector<Vec3d> positions;

@@ -1,5 +1,5 @@
-// Which triangulated points are worth starting from: small reprojection error, enough views, enough parallax, and not alone in
-// space (mean distance to the eight nearest points, judged on a log scale against all points).
+// Filter for the triangulated points that initialise the scene: small reprojection error, enough views, enough parallax, and no
+// isolated points (mean distance to the eight nearest points, an outlier test on a log scale).
 #pragma once
 
 #include <span>
@@ -19,7 +19,7 @@ ColmapModel filtered(const ColmapModel& model, FilterCounts& counts);
 double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>& centres_of_track);
 // Mean distance to the `k` nearest other points.
 std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k);
-// The k nearest others of every point, nearest first.
+// Indices of the k nearest other points of every point, nearest first.
 std::vector<std::vector<uint32_t>> neighbours(std::span<const Vec3d> points, size_t k);
 
 }  // namespace vitrine

@@ -18,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-// A rung of the ladder: what changes against the rung before.
+// One attempt of the retries: changes against the previous one.
 struct Rung {
   std::string what;
   bool relaxed_mapper = false, more_features = false;
@@ -27,17 +27,17 @@ const Rung kLadder[] = {
     {.what = "standard"},
     {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
     {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
-// An object fills a part of the picture, and what two passes both show of it is a part of that: it needs all features from the
-// start.
+// The object fills a part of the picture, and two passes share only a part of it: use all features from the start.
 const Rung kPassesLadder[] = {
     {.what = "passes joined by the object, more features (peak threshold / 3, limit x 2), relaxed mapper",
      .relaxed_mapper = true,
      .more_features = true}};
 
-// Focal length over longest side: 0.3 is 118 degrees across. Wider "lenses" are how a wrong pose explains away its errors.
+// Minimum focal length over longest side: 0.3 is a field of view of 118 degrees. Wrong poses are often compensated by wider
+// lenses.
 constexpr double kMinFocalRatio = 0.3;
-constexpr double kRetryBelow = 0.8;      // share of registered photos below which the ladder is climbed
-constexpr size_t kMinObservations = 40;  // a pose that hangs on fewer points does not count (twice as many after a retry)
+constexpr double kRetryBelow = 0.8;      // share of registered photos below which the retries run
+constexpr size_t kMinObservations = 40;  // points of a pose; poses with fewer are removed (twice as many after a retry)
 
 std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
   std::vector<ColmapSetting> s{{"map_threads", "1"},
@@ -69,7 +69,7 @@ std::vector<ColmapModel> models_in(const fs::path& folder) {
   return models;
 }
 
-// Which group of photos that verified pairs connect each photo is in; `sizes` largest first.
+// Connected components of the photos under verified pairs: index per photo; `sizes` largest first.
 std::vector<size_t> connected_groups(size_t n, const std::vector<PairReport>& edges, std::vector<size_t>& sizes) {
   DisjointSets sets(n);
   for (const PairReport& e : edges) sets.unite(uint32_t(e.a), uint32_t(e.b));
@@ -85,7 +85,7 @@ std::vector<size_t> connected_groups(size_t n, const std::vector<PairReport>& ed
   return group;
 }
 
-// What the database says about every photo.
+// Fills the photo reports from the database.
 void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCounts& counts, Reconstruction& out) {
   const ColmapDatabase db(database);
   std::vector<size_t> photo_of_id;
@@ -128,7 +128,7 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
   if (!desc.photos.empty()) out.rotation_share = rotation_share(verified, desc.photos[0].width, desc.photos[0].height);
 }
 
-// Photo names instead of safe names; image ids 1..n in name order; tracks follow.
+// Replaces safe names by photo names; image ids become 1..n in name order, and tracks are updated.
 ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& photos) {
   std::map<uint32_t, uint32_t> new_id;
   std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
@@ -160,7 +160,7 @@ void mark_registered(Reconstruction& r) {
   }
 }
 
-// Takes out photos whose pose hangs on fewer than `least` points, until all that stay have enough; says so in the reports.
+// Removes photos with a pose from fewer than `least` points until all others have enough; records it in the reports.
 void drop_weak_photos(Reconstruction& r, size_t least) {
   while (true) {
     std::set<uint32_t> weak;
@@ -176,7 +176,7 @@ void drop_weak_photos(Reconstruction& r, size_t least) {
   }
 }
 
-// Shares of the stage's work on a set of 50 photos: extraction, matching and verification, mapping.
+// Maps the progress of a sub-step to [low, high].
 ReconstructDesc with_progress_in(const ReconstructDesc& desc, double low, double high) {
   ReconstructDesc out = desc;
   if (desc.progress)
@@ -212,7 +212,7 @@ ReconstructDesc fresh(const ReconstructDesc& desc) {
 
 FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind) {
   const ColmapDatabase db(database);
-  std::map<uint32_t, std::pair<size_t, PhotoFeatures>> features;  // image id -> photo and its features
+  std::map<uint32_t, std::pair<size_t, PhotoFeatures>> features;  // image id -> photo index and its features
   FoundMatches out;
   out.xy.resize(photos.size());
   for (PhotoFeatures& f : db.features()) {
@@ -294,7 +294,7 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
       for (size_t m = 0; m < found.size(); ++m)
         (m == 0 ? now.model : now.smaller_models.emplace_back()) = with_photo_names(std::move(found[m]), desc.photos);
     }
-    // A mapper that starts from less has to end with more.
+    // Relaxed thresholds at the start require stricter ones at the end.
     drop_weak_photos(now, kMinObservations * (rung.relaxed_mapper ? 2 : 1));
     attempt.registered = now.model.images.size();
     now.attempts.push_back(attempt);
@@ -320,9 +320,9 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
   survey(desc, database, counts, out);
   const FoundMatches found = found_matches(desc.photos, database, MatchKind::Verified);
   const ColmapModel poses = checked(given_poses, found.pairs);
-  out.rotation_share = 0;  // where the photos were taken is known
+  out.rotation_share = 0;  // not tested: the camera positions are given
 
-  // The triangulator wants the given poses under the database's names and ids, with no points.
+  // The triangulator needs the given poses with the names and ids of the database, without points.
   ColmapModel start;
   std::map<std::string, const ColmapImage*> pose_of;
   for (const ColmapImage& image : poses.images) pose_of[image.name] = &image;
@@ -364,7 +364,7 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
                 .log = desc.work_folder / "colmap.log"});
   if (fs::exists(output / "images.bin")) {
     out.model = with_photo_names(read_colmap_model(output), desc.photos);
-    // Points are new; the poses stay the given ones to the last bit.
+    // Points are new; the poses stay bit-identical to the given ones.
     for (ColmapImage& image : out.model.images) {
       const ColmapImage& pose = *pose_of.at(image.name);
       image.rotation = pose.rotation;

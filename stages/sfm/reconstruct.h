@@ -1,12 +1,12 @@
-// Photos -> COLMAP model: features (COLMAP's SIFT), matches (ours), two-view geometry and mapping (COLMAP's), each step
-// reproducible:
+// Reconstruction from photos to a COLMAP model: features (COLMAP's SIFT), matches (ours), two-view geometry and mapping
+// (COLMAP's). Each step is reproducible:
 //
-//   extraction   any number of threads; image ids are put in name order afterwards
+//   extraction   any number of threads; image ids are renumbered in name order afterwards
 //   matching     integer arithmetic, pairs in parallel (matcher.h)
-//   verification `matches_importer raw` in chunks of pairs that depend on the problem alone, one process per chunk
-//   mapping      one thread and a fixed seed: COLMAP's bundle adjustment adds in a fixed order then
+//   verification `matches_importer raw` in chunks of pairs that depend on the input alone, one process per chunk
+//   mapping      one thread and a fixed seed: COLMAP's bundle adjustment then sums in a fixed order
 //
-// When too few photos are registered, the ladder of retries (README) goes on; the best result of all attempts counts.
+// When too few photos are registered, the retries of the README follow; the best attempt is kept.
 #pragma once
 
 #include <functional>
@@ -28,25 +28,25 @@ struct SfmConfig;
 inline constexpr size_t kMinMatches = 15;  // pairs of photos with fewer are left out
 
 struct SfmPhoto {
-  std::string name;  // what the model calls it
+  std::string name;  // image name in the model
   fs::path picture;  // 8-bit file for feature extraction
   int width = 0, height = 0;
   std::optional<double> focal_px;  // prior
-  std::string camera;              // maker and model; photos of one camera, size and focal length share intrinsics
+  std::string camera;              // maker and model; photos of equal camera, size and focal length share intrinsics
 };
 
-// What is known about a photo after the attempts.
+// Result of the attempts for one photo.
 struct PhotoReport {
   std::string name;
-  size_t masked = 0;                                                                 // of its features: not used, by the masks
-  size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
+  size_t masked = 0;                                                                 // features removed by the masks
+  size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified: matches, summed over all pairs
   bool registered = false;
-  size_t group = 0;               // of photos that verified pairs connect; 0 = the largest
-  std::optional<double> blur_px;  // measured when something went wrong (core/intake/photos/measures.h)
+  size_t group = 0;               // of photos connected by verified pairs; 0 = the largest
+  std::optional<double> blur_px;  // measured only when photos are missing (core/intake/photos/measures.h)
   std::optional<double> brightness_ev;
   bool pose_missing = false;          // poses were given, but none for this photo
-  bool other_pass = false;            // of a pass that shares too little of the object with the one that is reconstructed
-  std::optional<size_t> weak_points;  // the mapper gave it a pose from so few points that it was taken out again
+  bool other_pass = false;            // its pass shares too little of the object with the reconstructed pass
+  std::optional<size_t> weak_points;  // set when it was removed because its pose depends on so few points
 };
 
 struct Attempt {
@@ -61,16 +61,16 @@ struct PairReport {
 
 struct Reconstruction {
   ColmapModel model;                             // image names are photo names; ids 1..n in name order
-  std::vector<ColmapModel> smaller_models = {};  // of photos that did not join the model
-  fs::path database = {};                        // features and matches of the attempt that counts
-  std::vector<PhotoReport> photos;               // in the order given
+  std::vector<ColmapModel> smaller_models = {};  // of photos that are not in the main model
+  fs::path database = {};                        // features and matches of the best attempt
+  std::vector<PhotoReport> photos;               // in input order
   std::vector<Attempt> attempts;
   std::vector<size_t> groups;     // sizes of groups connected by verified pairs, largest first
   std::vector<PairReport> pairs;  // verified ones
-  double rotation_share = 0;      // of the verified pairs: explained by a camera that turned on the spot
-  double uncalibrated_share = 0;  // of the pairs of photos with a focal length from EXIF: explained only without it
+  double rotation_share = 0;      // share of the verified pairs explained by a purely rotating camera
+  double uncalibrated_share = 0;  // share of the pairs with an EXIF focal length that fit only without it
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
-  std::optional<MaskEffect> masks;  // of the attempt that counts
+  std::optional<MaskEffect> masks;  // of the best attempt
 };
 
 struct ReconstructDesc {
@@ -79,28 +79,28 @@ struct ReconstructDesc {
   int threads = 1;
   const FeatureMasks* masks = nullptr;  // null: every feature is used
   UsedFeatures used = UsedFeatures::ByTurntable;
-  fs::path found_features = {};  // a database of these photos, whose features are used; empty: they are extracted
-  // [photo] the pass in which it was taken (passes.h). Between photos of two passes features of the object alone are matched;
-  // what surrounds it stood still in each. Empty: one pass.
+  fs::path found_features = {};  // database of these photos with features to reuse; empty: extract them
+  // [photo] its pass (passes.h). Between passes only features of the object are matched, because the surroundings moved. Empty:
+  // one pass.
   std::vector<size_t> pass_of = {};
   std::function<void(double fraction, const std::string& text)> progress;
   std::function<void(const std::string& name, double seconds)> timing;
 };
 
-// Matches between the features of photos, as a database holds them.
-enum class MatchKind { Descriptors, Verified };  // before and after the geometric verification
+// Matches between features, before and after the geometric verification.
+enum class MatchKind { Descriptors, Verified };
 struct FoundMatches {
-  std::vector<std::vector<float>> xy;                                // [photo][2 n] all its features, pixels
-  std::vector<PhotoMatches> pairs;                                   // in order of the photos
+  std::vector<std::vector<float>> xy;                                // [photo][2 n] pixels of all its features
+  std::vector<PhotoMatches> pairs;                                   // in photo order
   std::vector<std::pair<size_t, size_t>> photos;                     // [pair] indices of the two photos
   std::vector<std::vector<std::pair<uint32_t, uint32_t>>> features;  // [pair][match] indices of the two features
 };
 FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind);
 
-// Without enough photos registered it returns what there is (perhaps an empty model): diagnosis.h decides.
+// With too few registered photos it returns the partial (perhaps empty) model: diagnosis.h decides.
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc);
-// Poses and intrinsics are given (image names = photo names): matches, then triangulates the points only. `checked` sees the
-// poses and the verified matches first; it throws, or returns the poses to be used.
+// Poses and intrinsics are given (image names = photo names): matches, then triangulates the points only. `checked` receives the
+// poses and the verified matches first; it throws, or returns the poses to use.
 using PoseCheck = std::function<ColmapModel(const ColmapModel& poses, const std::vector<PhotoMatches>& matches)>;
 Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const ColmapModel& poses,
                            const PoseCheck& checked);

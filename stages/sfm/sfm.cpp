@@ -29,9 +29,9 @@ namespace vitrine {
 namespace {
 
 constexpr double kReconstructShare = 0.85;  // of the progress bar; the rest is undistortion
-constexpr size_t kSmallestGiven = 3;        // given poses; two views are a guess, not a model
-constexpr size_t kFewPoints = 100;          // below this there is hardly anything to start a scene from
-constexpr size_t kPointsWorthKeeping = 50;  // given models with fewer points get them triangulated anew
+constexpr size_t kSmallestGiven = 3;        // given poses; two views do not make a reliable model
+constexpr size_t kFewPoints = 100;          // below this there are too few points to initialise a scene
+constexpr size_t kPointsWorthKeeping = 50;  // given models with fewer points are triangulated again
 
 std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo>& photos) {
   std::vector<SfmPhoto> out;
@@ -45,7 +45,7 @@ std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo
   return out;
 }
 
-// A given model with points needs no COLMAP at all.
+// A given model with points does not need COLMAP.
 Reconstruction complete_as_given(ColmapModel model, const std::vector<Photo>& photos) {
   Reconstruction r;
   for (const Photo& p : photos) r.photos.emplace_back().name = p.name;
@@ -92,7 +92,7 @@ void tell(const Notes& notes, StageContext& context) {
       context.warning(note.code, note.text);
 }
 
-// Photos that are another version of one with a pose ("images_4/a.jpg") leave the list.
+// Removes photos that are another version of one with a pose ("images_4/a.jpg").
 ColmapModel given_model(const fs::path& poses, const SfmConfig& config, std::vector<Photo>& photos, StageContext& context,
                         PosePixels& pixels) {
   GivenPoses read = given_poses(poses, photos, config.pose_scale);
@@ -178,7 +178,7 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
   return s;
 }
 
-// When photos are missing: are they blurred, or exposed otherwise?
+// Measures blur and exposure when photos are missing.
 void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Reconstruction& r) {
   if (std::all_of(r.photos.begin(), r.photos.end(), [](const PhotoReport& p) { return p.registered; })) return;
   parallel_for(photos.size(), 1, [&](size_t i) {
@@ -188,7 +188,7 @@ void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Re
   });
 }
 
-// EXIF's focal length against the one that the photos agree on.
+// Compares EXIF's focal length with the calibrated one.
 void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, StageContext& context) {
   constexpr double kFar = 1.33;
   size_t far = 0;
@@ -209,7 +209,7 @@ void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, S
                                 named, far, solved));
 }
 
-// What exposure and white balance did to each photo, from the colours of the tracks in the undistorted photos.
+// Exposure and white balance of each photo, from the colours of the tracks in the undistorted photos.
 Gains photo_gains(const ColmapModel& model, const std::vector<Photo>& photos, const fs::path& output, StageContext& context) {
   const std::vector<GainSample> samples = track_samples(model, [&](const ColmapImage& image) {
     return read_exr_rgb(output / "linear" / fs::path(image.name).replace_extension(".exr"));
@@ -247,7 +247,7 @@ void run(const SfmConfig& config, StageContext& context) {
   const Reconstruction& r = s.reconstruction;
   const Diagnosis diagnosis = diagnosed(r, config);
   if (!diagnosis.code.empty()) {
-    // The output vanishes with the failure; the scratch folder stays, and with it the evidence.
+    // The output folder is removed on failure; the scratch folder keeps the evidence.
     const fs::path evidence = context.scratch() / "report.json";
     SfmReportDesc report;
     report.reconstruction = &r;
@@ -284,7 +284,7 @@ void run(const SfmConfig& config, StageContext& context) {
                   }});
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
-  // In each pass people hold the camera upright over another side of the object.
+  // With several passes, use one: each pass has another side of the object up.
   const Orientation orientation = scene_up(s.passes.joined() ? restricted(model, s.passes.passes[0]) : model, config.up);
   SceneInfo scene;
   scene.scene_from_colmap = scene_from_colmap(model, orientation);
@@ -324,7 +324,7 @@ void run(const SfmConfig& config, StageContext& context) {
   context.metric("registered", double(model.images.size()));
   context.metric("points", double(model.points.size()));
   if (observations > 0) context.metric("reprojection_px", error / observations);
-  // Without points there is no error that could be small.
+  // Without points there is no reprojection error to report.
   context.summary(fmt::format("registered {}/{}, {} points{}{}", model.images.size(), photos.size(), model.points.size(),
                               observations > 0 ? fmt::format(", {:.2f} px", error / observations) : "",
                               s.passes.joined() ? ", " + passes_text(s.passes.passes) : ""));

@@ -12,8 +12,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kEnough = 8;     // matches of a pair, inside or outside, below which they say nothing
-constexpr double kStill = 0.003;  // of the longest side: localisation of a feature, a shaken tripod
+constexpr size_t kEnough = 8;     // minimum matches of a pair, inside or outside, to count
+constexpr double kStill = 0.003;  // of the longest side: tolerance for feature localisation and a shaken tripod
 constexpr double kMoves = 2 * kStill;
 constexpr double kMostMatches = 0.5, kMostTurned = 0.6;
 constexpr double kPairsThatTell = 1.0 / 3;
@@ -47,7 +47,7 @@ TurntableEvidence turntable_evidence(const TurntableDesc& desc) {
   parallel_for(n, 1, [&](size_t i) {
     if (!desc.inside[i].empty()) packed[i] = PackedDescriptors(desc.photos[i].descriptors);
   });
-  // Neighbours, and photos a twelfth of the capture apart: there a camera on a slow orbit has moved, too.
+  // Neighbours, and photos a twelfth of the capture apart, between which a camera on a slow orbit has moved as well.
   std::vector<std::pair<size_t, size_t>> pairs;
   for (size_t gap : {size_t{1}, std::max<size_t>(3, n / 12)})
     for (size_t i = 0; i + gap < n; ++i)

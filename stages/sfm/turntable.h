@@ -1,9 +1,8 @@
-// Does the object turn while camera and room stand still? Then the room is what seems to move against the object, and only the
-// object may be used to find the cameras.
+// Turntable detection: the object turns while camera and room are static. The room then seems to move against the object, and
+// only the object's features may be used for pose estimation.
 //
-// The proof is in the matches between photos that are close in name order: outside the object's mask they stay where they are,
-// inside they move. A camera that moves leaves nothing in place outside; a camera that stands before a still life moves nothing
-// inside.
+// Evidence: matches between photos close in name order. On a turntable, matches outside the object mask stay in place and those
+// inside move. A moving camera moves all matches outside; a static camera with a static object moves none inside.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +15,10 @@
 namespace vitrine {
 
 struct TurntableEvidence {
-  size_t pairs = 0;          // looked at
-  size_t outside_told = 0;   // with enough matches outside the mask to tell
+  size_t pairs = 0;          // examined pairs
+  size_t outside_told = 0;   // pairs with enough matches outside the mask
   size_t outside_still = 0;  // of these: most outside matches stay in place
-  size_t inside_told = 0;    // with enough matches inside
+  size_t inside_told = 0;    // pairs with enough matches inside the mask
   size_t inside_moves = 0;   // of these: most inside matches move
   bool turntable = false;
   std::string why;  // a sentence with these figures

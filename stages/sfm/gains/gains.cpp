@@ -15,9 +15,9 @@ namespace vitrine {
 
 namespace {
 
-// Five pixels: features sit on blobs of this size and larger, and a pose error of half a pixel moves little of the square.
+// Five pixels: features are blobs of at least this size, and a pose error of half a pixel hardly shifts the window.
 constexpr int kRadius = 2;
-// Of full scale, in linear light: code 249 of 255. Resampling takes a clipped pixel down a little.
+// Of full scale, in linear light: code 249 of 255. Resampling slightly lowers a clipped pixel.
 constexpr float kClipped = 0.95f;
 
 // (log(observed) - log(gain of the channel) - log(colour)) / sigma
@@ -76,20 +76,20 @@ struct Observation {
   double log_value, expected;
 };
 
-// Standard deviation of log(observed): a relative part, and an additive one (rounding, chroma subsampling, light from surfaces
-// around), which counts the more the darker the sample is.
+// Standard deviation of log(observed): a relative part and an additive part (rounding, chroma subsampling, interreflection),
+// which dominates in dark samples.
 struct Noise {
   double spread, floor;
   double sigma(double value) const { return std::hypot(spread, floor / value); }
 };
 
-// One channel's observations: in range, of views with enough of them, of points seen by two such views or more, of the longest
+// Observations of one channel: in range, of views with enough samples, of points with at least two such views, of the longest
 // tracks.
 struct Channel {
   std::vector<Observation> observations;
   std::vector<size_t> of_view;   // [views] number of observations
   std::vector<bool> determined;  // [views]
-  std::vector<double> weight;    // [points] of each of its observations, as samples of a photo are correlated
+  std::vector<double> weight;    // [points] weight of each observation of the point, as samples of a photo are correlated
 };
 
 Channel channel_of(std::span<const GainSample> samples, size_t c, size_t views, size_t points, const GainSettings& settings) {
@@ -143,9 +143,9 @@ class Problem {
     }
   }
 
-  // 1. A convex loss and all samples at full weight: the one minimum from anywhere (exposures may differ by stops). Its residuals
-  //    give the noise. 2. The same with the noise known and samples capped against the prior, still convex. 3. From there, a loss
-  //    that forgets outliers.
+  // 1. Convex loss, all samples at full weight: a unique minimum from any start (exposures may differ by stops). Its residuals
+  // give the noise. 2. Same with the known noise, and samples capped against the prior; still convex. 3. From there, a robust
+  // non-convex loss that rejects outliers.
   void solve() {
     Terms terms{.noise = kStart, .exposure_sigma = settings_.exposure_sigma, .balance_sigma = settings_.balance_sigma};
     minimise<ceres::HuberLoss>(terms);
@@ -158,7 +158,7 @@ class Problem {
     minimise<ceres::CauchyLoss>(terms);
   }
 
-  // The standard deviation of a normal core, from the median absolute residual.
+  // Robust standard deviation (inlier core) from the median absolute residual.
   double spread(size_t c) const { return spread_of(residuals_of(c)); }
 
   const std::vector<Channel>& channels() const { return channels_; }
@@ -166,7 +166,7 @@ class Problem {
 
  private:
   static constexpr Noise kStart{0.05, 0.01}, kLeast{0.005, 0.001}, kMost{0.3, 0.05};
-  static constexpr double kWider = 2;  // the narrow prior of step 2 takes up to half of a balance away
+  static constexpr double kWider = 2;  // the narrow prior of step 2 removes up to half of a balance
 
   struct Residual {
     double value, size;
@@ -185,7 +185,8 @@ class Problem {
     return sizes.empty() ? 0 : kSigmaPerDeviation * upper_median(std::move(sizes));
   }
 
-  // From the spreads of the darker and of the brighter half of all residuals: spread^2 = relative^2 + (floor / value)^2 in both.
+  // Separates the noise parts by the spreads of the darker and the brighter half of the residuals: spread^2 = relative^2 + (floor
+  // / value)^2 in both halves.
   Noise noise() const {
     std::vector<Residual> all;
     for (size_t c = 0; c < 3; ++c) {
@@ -209,8 +210,8 @@ class Problem {
     bool capped = false;
   };
 
-  // Photos whose exposures or balances differ by more than the prior expects were taken with automatic exposure or white
-  // balance: then the prior is as wide as their differences.
+  // Photos whose exposures or balances differ by more than the prior expects were taken with automatic exposure or white balance:
+  // widen the prior to their spread.
   void widen(Terms& terms) const {
     double exposure = 0, exposures = 0, balances = 0;
     for (size_t v = 0; v < of_view_.size(); ++v) {
@@ -227,8 +228,9 @@ class Problem {
 
   template <class Loss>
   void minimise(const Terms& terms) {
-    ceres::Problem problem;                              // owns losses and costs
-    auto* ordering = new ceres::ParameterBlockOrdering;  // colours are eliminated first: each depends on gains alone
+    ceres::Problem problem;  // owns losses and costs
+    auto* ordering =
+        new ceres::ParameterBlockOrdering;  // colours are eliminated first: each depends only on gains (Schur complement)
     for (size_t c = 0; c < 3; ++c) {
       Channel& channel = channels_[c];
       std::vector<ceres::LossFunction*> loss(channel.weight.size(), nullptr);
@@ -251,9 +253,9 @@ class Problem {
     options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.linear_solver_ordering.reset(ordering);
-    options.num_threads = 1;  // more would sum in an order of their own
+    options.num_threads = 1;  // more threads would change the order of summation
     options.logging_type = ceres::SILENT;
-    // Colours of points seen twice, once wrongly, creep on for ever under the second loss; the gains stand long before.
+    // Colours of points seen twice, once wrongly, converge very slowly under the second loss; the gains converge long before.
     options.max_num_iterations = 15;
     options.function_tolerance = 1e-4;
     ceres::Solver::Summary summary;
@@ -281,7 +283,7 @@ bool looks_fixed(const std::vector<Vec3d>& gains, const GainSettings& settings) 
   return true;
 }
 
-// Relative to their mean; 0 where EXIF does not name one.
+// Log exposures relative to their mean; 0 where EXIF has none.
 std::vector<double> expected_exposures(size_t views, std::span<const std::optional<double>> log_exposures) {
   std::vector<double> expected(views, 0);
   double sum = 0, count = 0;

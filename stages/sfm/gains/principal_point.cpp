@@ -13,14 +13,15 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kFewestImages = 12, kFewestObservations = 3000;
-constexpr double kBetter = 0.97;  // of the error before: lenses that bend otherwise than their model gain a per cent by anything
+constexpr double kBetter =
+    0.97;  // of the error before: lenses outside the model's family improve by a per cent with any free parameter
 constexpr double kFurthest = 0.04;  // of the longest side
 constexpr double kFocalChange = 0.1;
 constexpr double kRobust = 1;  // pixel
 constexpr int kMostSteps = 30;
 constexpr size_t kDenseImages = 200;
 
-// The lens models of COLMAP that are known here: how many focal lengths and distortion parameters they have.
+// Supported lens models of COLMAP: number of focal lengths and distortion parameters.
 struct Lens {
   size_t focals = 1, distortion = 0;
 };
@@ -30,7 +31,7 @@ const Lens* lens_of(int model_id) {
   return it == lenses.end() ? nullptr : &it->second;
 }
 
-// From the point in the camera's frame to pixels: focal lengths, principal point, k1 k2 p1 p2 as far as the model has them.
+// Projects a point of the camera frame to pixels: focal lengths, principal point, and k1 k2 p1 p2 as far as the model has them.
 class Reprojection {
  public:
   Reprojection(const Lens& lens, double x, double y) : lens_(lens), x_(x), y_(y) {}
@@ -74,10 +75,10 @@ class Adjustment {
     for (ColmapPoint3D& point : model_.points)
       for (const ColmapTrackElement& seen : point.track) add(point, seen);
     if (observations_ == 0) return;
-    auto* sphere = new ceres::QuaternionManifold;  // the problem's, once
+    auto* sphere = new ceres::QuaternionManifold;  // one instance, owned by the problem
     for (auto& [id, rotation] : rotations_)
       if (problem_.HasParameterBlock(rotation.data())) problem_.SetManifold(rotation.data(), sphere);
-    // Where the scene stands is nobody's question.
+    // Fixes the gauge: the pose of the scene is arbitrary.
     for (ColmapImage& image : model_.images)
       if (problem_.HasParameterBlock(&image.translation.x)) {
         problem_.SetParameterBlockConstant(&image.translation.x);
@@ -87,7 +88,7 @@ class Adjustment {
   }
   size_t observations() const { return observations_; }
 
-  // Root mean square error afterwards.
+  // Returns the root mean square error after the adjustment.
   double solve(bool principal_points) {
     for (ColmapCamera& camera : model_.cameras) {
       double* centre = camera.params.data() + lens_of(camera.model_id)->focals;
@@ -107,7 +108,7 @@ class Adjustment {
     return summary.IsSolutionUsable() ? std::sqrt(2 * summary.final_cost / double(observations_)) : HUGE_VAL;
   }
 
-  // What the solver does not hold in the model itself: rotations, and the points' errors.
+  // Updates what the solver does not store in the model: rotations and point errors.
   void finish() {
     for (ColmapImage& image : model_.images) {
       const auto& r = rotations_.at(image.id);
@@ -166,7 +167,7 @@ class Adjustment {
   size_t observations_ = 0;
 };
 
-// Plausible lenses, all of them.
+// True if all lenses are plausible.
 bool sane(const ColmapModel& before, const ColmapModel& after, double& furthest) {
   bool fine = true;
   for (size_t c = 0; c < after.cameras.size(); ++c) {

@@ -1,7 +1,7 @@
-// COLMAP keeps the principal point in the middle of the photos, and rightly so while it maps: from few photos it is confused with
-// where the camera looks. Once all are placed they tell it: a last bundle adjustment with it free, which counts where the photos
-// then fit clearly better. Lenses are off by up to a few per cent of the picture; poses learn to lean by as much, and mirrored
-// pictures show it.
+// Refinement of the principal points by a final bundle adjustment. COLMAP keeps the principal point at the image centre while it
+// maps, because from few photos it is confused with the camera rotation. With all photos registered it is determined well; the
+// result is accepted only if the reprojection error drops clearly. Real lenses are off by up to a few per cent of the picture;
+// without the refinement the poses absorb this as a tilt, which is visible in reflections.
 #pragma once
 
 #include "core/scene/camera/colmap_model.h"
@@ -9,13 +9,13 @@
 namespace vitrine {
 
 struct PrincipalPoints {
-  bool asked = false;                        // enough photos and points, and lens models that are known here
-  bool moved = false;                        // the model has them
-  double error_before = 0, error_after = 0;  // root mean square of the reprojection errors, pixels (large ones count less)
-  double furthest = 0;                       // from the middle, of the longest side
+  bool asked = false;                        // enough photos and points, and only supported lens models
+  bool moved = false;                        // the model contains the refined points
+  double error_before = 0, error_after = 0;  // RMS reprojection error, pixels (robust)
+  double furthest = 0;                       // largest offset from the image centre, relative to the longest side
 };
 
-// One thread, the same numbers on every machine of an instruction set. Poses, points, focal lengths and distortion move along.
+// Single-threaded: same result on every machine of an instruction set. Also refines poses, points, focal lengths and distortion.
 PrincipalPoints refine_principal_points(ColmapModel& model);
 
 }  // namespace vitrine
