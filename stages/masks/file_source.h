@@ -1,4 +1,4 @@
-// Masks that the user made, in photo coordinates, brought onto the undistorted photos.
+// Masks from the user's files: photo coordinates, resampled to the undistorted photos.
 #pragma once
 
 #include "stages/masks/mask_source.h"
@@ -8,8 +8,8 @@ namespace vitrine {
 
 class FileSource final : public MaskSource {
  public:
-  // Looks at every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, or when
-  // they look like negatives and nobody said that this is meant. `capture` must outlive the source.
+  // Checks every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, or when masks look
+  // inverted and no polarity was declared. `capture` must outlive the source.
   FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
              MaskFrame frame);
 

@@ -1,4 +1,4 @@
-// Where masks come from: one interface for files, boxes, networks and proposals.
+// Common interface of the sources of masks: files, boxes, networks and proposals.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@
 
 namespace vitrine {
 
-// The photos that masks are made for.
+// The photos to be masked.
 struct MaskCapture {
   std::filesystem::path sfm_folder;
   ViewSet set;
-  std::vector<Undistortion> undistortions;       // [view] from the photo as taken to the undistorted one
-  std::vector<std::string> without_camera = {};  // photos that sfm could not place
+  std::vector<Undistortion> undistortions;       // [view] from the original photo to the undistorted one
+  std::vector<std::string> without_camera = {};  // photos without a pose
 };
 // An sfm artifact without its report counts as free of distortion.
 MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder);
 
-// One channel each, of any size with the field of view of the undistorted photo; 1 = belongs to the class, 1 = certain.
+// One channel each, of any size, with the field of view of the undistorted photo; 1 = belongs to the class, 1 = certain.
 struct SoftMask {
   ImageF value, confidence;
 };
@@ -33,11 +33,11 @@ class MaskSource {
  public:
   virtual ~MaskSource() = default;
   virtual std::string_view name() const = 0;  // "files", ...
-  // nullopt: this source knows nothing of that photo.
+  // nullopt: no mask for that photo.
   virtual std::optional<SoftMask> at(size_t view) const = 0;
   virtual std::string_view trust() const { return "given"; }  // a word of ObjectTrust (core/scene/objects)
   virtual bool propagated() const { return false; }           // from few marks or none: edges may be off by pixels
-  virtual void report(nlohmann::ordered_json& j) const = 0;   // what a reader wants to know of this class
+  virtual void report(nlohmann::ordered_json& j) const = 0;   // entries of this class in masks/report.json
 };
 
 }  // namespace vitrine

@@ -56,7 +56,7 @@ std::unique_ptr<FileSource> file_source(MaskClass kind, const MasksConfig& confi
   return source;
 }
 
-// A class whose masks mark nothing is absent, and that is said; unless no class has a pixel: that is a mistake in the files.
+// A class without any marked pixel is omitted with a note; if all classes are empty, the files are wrong.
 void leave_out_empty(std::array<std::unique_ptr<FileSource>, kMaskClassCount>& files, bool other_sources, StageContext& context) {
   const auto marks = [](const auto& source) { return source && !source->masks().nothing(); };
   const bool any = other_sources || std::any_of(files.begin(), files.end(), marks);
@@ -91,7 +91,7 @@ void sources_of_network(const MasksConfig& config, const MaskCapture& capture, c
   }
 }
 
-// A network that no class takes its masks from: for hours of training nobody would notice.
+// Warns about a network that no class uses: the user would notice only after hours of training.
 void tell_unused_network(const MasksConfig& config, const fs::path& file, StageContext& context) {
   const bool named = std::ranges::any_of(kMaskClasses, [&](MaskClass kind) { return !config.onnx.channels_of(kind).empty(); });
   if (!named)

@@ -1,5 +1,5 @@
-// Stage `masks`: which pixels of the undistorted photos belong to the object, to glass, to mirrors, or to nothing (README.md).
-//   reads   sfm (cameras, undistorted photos); optionally masks or a segmentation network of the user's
+// Stage `masks`: pixels of the undistorted photos that belong to the object, to glass, to mirrors, or are ignored (README.md).
+//   reads   sfm (cameras, undistorted photos); optionally masks or a segmentation network of the user
 //   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
 #pragma once

@@ -44,7 +44,7 @@ Image8 quantised(const ImageF& image) {
   return out;
 }
 
-// Black where COLMAP should not look for features: outside the object, and on everything that does not hold still.
+// Sets to black where COLMAP should not extract features: outside the object, and on glass, mirrors and ignored pixels.
 void fold_into_colmap(MaskClass kind, const ImageF& mask, ImageF& colmap) {
   for (size_t i = 0; i < colmap.data().size(); ++i) {
     const float usable = kind == MaskClass::Object ? mask.data()[i] : 1 - mask.data()[i];

@@ -1,4 +1,4 @@
-// Writes the masks of all classes: soft PNGs at the size of the photos, confidence, COLMAP-style copies, report.
+// Output of the masks of all classes: soft PNGs at photo size, confidence, COLMAP-style copies, report.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace vitrine {
 
-// nullptr: nobody asked for that class.
+// nullptr: class not requested.
 using MaskSources = std::array<std::unique_ptr<MaskSource>, kMaskClassCount>;
 
 struct ClassResult {
-  std::vector<double> coverage;  // [view] share of the photo, soft values counted as they are
-  bool kept = false;             // some pixel somewhere belongs to it: it has a folder
+  std::vector<double> coverage;  // [view] share of the photo, sum of the soft values
+  bool kept = false;             // some pixel belongs to it: it has a folder
   double mean_coverage() const;
 };
 
@@ -31,15 +31,15 @@ struct MaskOutputDesc {
   std::filesystem::path output;
 };
 
-// What a photo without a mask gets, with confidence 0: nothing of the class, except that all of it may be the object.
+// Value of a photo without a mask, with confidence 0: not in the class, except that all of it may be the object.
 float value_without_mask(MaskClass kind);
 
 MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context);
-// `things`: what marks call what they outline.
+// `things`: names of the marked objects.
 void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things = {});
 
-// For a person to judge: masks/contact_sheet.png shows some photos as they are, with the classes painted in, and the confidence.
-// Nothing when no class was kept. Reads the masks back from the output.
+// Writes masks/contact_sheet.png for visual inspection: some photos, overlaid with the classes and the confidence. Writes nothing
+// when no class was kept. Reads the masks from the output folder.
 void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results);
 
 }  // namespace vitrine

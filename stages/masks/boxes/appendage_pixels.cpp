@@ -9,10 +9,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kRoot = 1.25f;      // times as far as straight from there to the solid: on the way
+constexpr float kRoot = 1.25f;      // path to the body at most this factor longer than the straight one: a connection
 constexpr float kRootSlack = 1.5f;  // pixels
 
-struct Nearest {                // of a set
+struct Nearest {                // nearest pixel of a set
   std::vector<float> distance;  // pixels
   std::vector<uint32_t> pixel;
 };
@@ -36,7 +36,7 @@ std::vector<uint8_t> with_appendages(const std::vector<uint8_t>& solid, const st
   std::vector<uint8_t> out = solid;
   const auto any = [](const std::vector<uint8_t>& set) { return std::ranges::any_of(set, [](uint8_t v) { return v != 0; }); };
   if (!any(far)) return out;
-  if (!any(solid)) {  // the photo shows the appendage alone
+  if (!any(solid)) {  // only the appendage is visible
     for (size_t p = 0; p < out.size(); ++p) out[p] = off[p] && far[p];
     return out;
   }

@@ -21,10 +21,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kFewestTight = 3;  // polygons whose hull is nearly the thing
+constexpr size_t kFewestTight = 3;  // polygons for a tight visual hull
 constexpr int kPastRounds = 2;
-constexpr double kEdgesMayDiffer = 0.02;  // from marks of a box, intersection over union
-constexpr double kSticksOut = 0.2;        // of a solid's radius: nearer to it is its outline
+constexpr double kEdgesMayDiffer = 0.02;  // IoU loss allowed for a box refined on image edges, against the fit to the marks
+constexpr double kSticksOut = 0.2;        // of a solid's radius: surface beyond it is an appendage, nearer it is the outline
 
 // Even-odd rule at pixel centres.
 std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
@@ -56,7 +56,7 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   return false;
 }
 
-// Where marks are tight they show lids, too, which GrabCut takes for background.
+// Tight marks include lids, which GrabCut assigns to the background.
 std::vector<SurfaceOfRevolution> solids_of_hull(const VisualHull& marked, const std::vector<View>& views) {
   std::vector<Silhouette> seen;
   const std::vector<std::vector<uint8_t>> inside = silhouettes_of(marked, views);
@@ -64,10 +64,10 @@ std::vector<SurfaceOfRevolution> solids_of_hull(const VisualHull& marked, const 
   return surfaces_of_revolution(seen, marked.surface(), marked.voxel());
 }
 
-// Surfaces of revolution: GrabCut takes away bright lids and, photo by photo, appendages, and leaves the outline where what the
-// metal mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about,
-// put on the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and
-// what these have along its outline alone is no part of the thing.
+// Replaces the body by its surface of revolution. GrabCut removes bright lids and, in single photos, appendages, and fails where
+// a mirror looks like its background. The body is the surface of revolution fitted to the outlines of all photos and refined on
+// image edges. Appendages are taken from the voted hull or, with tight marks, from the hull of the marks; parts of these hulls
+// along the outline of the body are removed.
 void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, const VisualHull* marked,
           const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
   parallel_for(views.size(), 1, [&](size_t v) {
@@ -77,7 +77,7 @@ void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, 
       const std::vector<uint8_t> outline = silhouette_mask(solid, views[v]);
       for (size_t i = 0; i < turned.size(); ++i) turned[i] |= outline[i];
     }
-    // What else is there, and what of it stands far off.
+    // Remaining hull pixels, and those far from the body.
     std::vector<uint8_t> off(turned.size(), 0), far(turned.size(), 0);
     mask_of_rays(views[v], [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
       if (turned[pixel]) return false;
@@ -101,9 +101,9 @@ void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, 
   throw_if_interrupted();
 }
 
-// Outlines of a thing that were looked for in the photos, and the hull that they vote for.
+// Segmented outlines of an object in the photos, and the hull that they vote for.
 struct FoundOutlines {
-  std::vector<Silhouette> outlines;  // [view]; an empty picture: nothing was found there
+  std::vector<Silhouette> outlines;  // [view]; empty image: none found
   VisualHull hull;
 
   std::vector<Silhouette> votes() const {
@@ -117,7 +117,7 @@ bool is_tight(const MarkedThing& thing) {
   return thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
 }
 
-// One thing; GrabCut looks for what differs in colour where nothing looks past its hull.
+// Propagation of one object. Uses GrabCut unless background prediction applies.
 class Carrier {
  public:
   Carrier(const CarryDesc& desc, const MarkedThing& thing)
@@ -129,7 +129,7 @@ class Carrier {
         drawn_(views_.size()),
         tight_(is_tight(thing)) {
     if (desc.stereo != nullptr && mirror_in_boxes(thing)) past_.emplace(*desc.stereo);
-    size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
+    size_t whole = 0;  // photos that show all of it: points outside their view are not part of the object
     for (const Mark& mark : thing.marks) {
       const Intrinsics& k = views_[mark.view].intrinsics;
       mark_of_[mark.view] = &mark;
@@ -191,17 +191,18 @@ class Carrier {
  private:
   bool is_polygon(size_t v) const { return mark_of_[v] != nullptr && !mark_of_[v]->box; }
 
-  // Glass that is a box where its marks are silhouettes of one.
+  // Replaces the hull of glass by a box if the marks are silhouettes of a box.
   void take_box_of_marks(CarriedThing& out) const {
     const std::optional<BoxFit> fit = fit_box(cones_, marked_.bounds());
     if (!fit) return;
     Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * kSmallSide));
-    if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
+    if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer)
+      box = fit->box;  // the refined box follows edges of something else
     for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(box, views_[v]);
     out.summary.box_agreement = fit->agreement;
   }
 
-  // A hull that is nearer to the thing lets more photos tell what is behind it.
+  // Outlines by background prediction; a tighter hull lets more photos predict the background.
   FoundOutlines outlines_past() const {
     HullDesc desc = hull_desc_;
     desc.within = past_->sides(marked_);
@@ -231,7 +232,7 @@ class Carrier {
     return found;
   }
 
-  // The silhouettes of what the outlines vote for: a box, solids of revolution with their appendages, or the hull.
+  // Silhouettes of the fitted shape: a box, surfaces of revolution with their appendages, or the hull.
   void take_shape(const FoundOutlines& found, CarriedThing& out) const {
     const FittedShapes fits = fit_shapes(found.votes(), found.hull);
     if (fits.box)
@@ -248,7 +249,7 @@ class Carrier {
     turn(solids, found.hull, tight_ ? &marked_ : nullptr, views_, out.inside);
   }
 
-  // Where an outline and the shape disagree; what something else hides is no part of the mask.
+  // Marks the pixels where outline and shape disagree; occluded pixels are removed from the mask.
   void doubt(const FoundOutlines& found, CarriedThing& out) const {
     for (size_t v = 0; v < views_.size(); ++v) {
       const std::span<const float> value = found.outlines[v].value.data();
@@ -266,11 +267,11 @@ class Carrier {
   std::optional<PastOutlines> past_;
   const MarkedThing& thing_;
   std::vector<const Mark*> mark_of_;         // [view]
-  std::vector<std::vector<uint8_t>> drawn_;  // [view][h,w] of the marks; empty: not marked
-  std::vector<Silhouette> cones_;            // the marks
-  bool tight_;                               // polygons whose hull is nearly the thing
+  std::vector<std::vector<uint8_t>> drawn_;  // [view][h,w] filled marks; empty: not marked
+  std::vector<Silhouette> cones_;            // silhouettes of the marks
+  bool tight_;                               // polygons with a tight visual hull
   HullDesc hull_desc_;
-  VisualHull marked_;  // of the marks
+  VisualHull marked_;  // hull of the marks
 };
 
 }  // namespace

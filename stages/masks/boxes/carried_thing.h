@@ -1,4 +1,4 @@
-// One marked thing, carried from its few marks to all photos (marked_source.h says how).
+// Propagation of one marked object from a few marked photos to all photos (method: marked_source.h).
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace vitrine {
 
-inline constexpr int kHullVoxels = 96;  // along the longest side of a marked thing
+inline constexpr int kHullVoxels = 96;  // along the longest side of a marked object
 
 struct CarryDesc {
   const MaskCapture& capture;
   const std::vector<View>& views;         // of the capture, at the small size
-  const std::vector<SmallPhoto>& photos;  // the same with their colours; may be empty where all things are glass
-  const SmallStereo* stereo = nullptr;    // looks past the hulls of mirrors in boxes
+  const std::vector<SmallPhoto>& photos;  // same views with colours; may be empty when all objects are glass
+  const SmallStereo* stereo = nullptr;    // to predict the background of mirrors marked with boxes
   int hull_voxels = kHullVoxels;
 };
 
@@ -23,11 +23,11 @@ struct CarriedThing {
   struct Summary {
     std::string name, word;  // MarkedThing
     MaskClass kind;
-    size_t marks = 0, refined = 0;  // photos marked; photos whose outline was found (no polygon says it)
-    double edge = 0;                // longest edge of the hull's box, scene units
-    bool voted = false;             // the second hull gave the masks
-    size_t solids = 0;              // of revolution, found in it
-    double box_agreement = 0;       // with a box that was taken for it; 0 = none
+    size_t marks = 0, refined = 0;  // photos marked; photos whose outline was found by segmentation (not by a polygon)
+    double edge = 0;                // longest edge of the visual hull's box, scene units
+    bool voted = false;             // the masks come from the second hull
+    size_t solids = 0;              // surfaces of revolution found in it
+    double box_agreement = 0;       // IoU with the box that replaces it; 0 = no box
   };
   std::vector<std::vector<uint8_t>> inside, doubted;  // [view][h,w]; doubted: outline and hull disagree
   VisualHull hull;
@@ -35,11 +35,11 @@ struct CarriedThing {
   Summary summary;
 };
 
-// Throws Error{Input} when no point of space lies inside all marks of the thing.
+// Throws Error{Input} when the cones of the marks have no common point.
 CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing);
 std::optional<CarriedThing> carry_if_marks_meet(const CarryDesc& desc, const MarkedThing& thing);
 
-// What mirrors has no colour of its own; polygons in three photos or more tell its outline all the same.
+// A mirror has no colour of its own, so colour segmentation fails; polygons in at least three photos define it anyway.
 bool mirror_in_boxes(const MarkedThing& thing);
 
 }  // namespace vitrine

@@ -19,8 +19,8 @@ namespace vitrine {
 namespace {
 
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
-constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
-constexpr double kPastShare = 0.5;                 // of the time: stereo
+constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence of propagated and of doubted pixels
+constexpr double kPastShare = 0.5;                 // share of the time spent on stereo
 
 bool wants_outlines(const MarkedThing& thing) { return thing.kind != MaskClass::Transparent; }
 
@@ -53,7 +53,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const
     for (auto* planes : {&masks->inside[v], &masks->doubted[v]})
       for (auto& plane : *planes) plane.assign(pixels, 0);
   }
-  std::vector<std::vector<float>> nearest;  // [view][h,w] depth of what is shown
+  std::vector<std::vector<float>> nearest;  // [view][h,w] depth of the nearest object
   for (const std::vector<uint16_t>& shown : masks->shown)
     nearest.emplace_back(shown.size(), std::numeric_limits<float>::infinity());
   for (size_t t = 0; t < things.size(); ++t) {
@@ -67,7 +67,8 @@ std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const
     if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
       for (size_t v = 0; v < views.size(); ++v) {
         const Bounds3& hull = carried.hull.bounds();
-        const auto middle = float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // where the hull has a gap
+        const auto middle =
+            float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // depth used where the hull has a gap
         for (size_t i = 0; i < carried.inside[v].size(); ++i) {
           if (!carried.inside[v][i]) continue;
           const float entry = carried.passed[v].entry[i], depth = entry > 0 ? entry : middle;

@@ -1,10 +1,10 @@
-// Masks from a few marks of the user's. A mark cuts a cone out of space; where the cones of all marked photos meet is the thing's
-// visual hull, and the hull is seen by every camera:
-//   glass    its outline in the other photos is the hull's
-//   mirrors  in boxes have no colour of their own: photos tell what is seen past the hull (outlines.h)
-//   others   GrabCut (Rother et al. 2004) looks for the outline near the hull's
-// A second hull lets the outlines of all photos vote and gives the masks.
-// A polygon is believed where it was drawn. Glass mirrors: what is marked transparent is specular, too.
+// Masks from a few marks of the user. A mark is a cone in space; the intersection of the cones of all marked photos is the
+// object's visual hull, which is then rendered in every view:
+//   glass    its outline in the other photos is that of the hull
+//   mirrors  marked with boxes: no colour segmentation; the background predicted behind the hull is compared (outlines.h)
+//   others   GrabCut (Rother et al. 2004) segments the outline near that of the hull
+// The outlines of all photos vote for a second hull, which gives the masks. A polygon is exact in its own photo. Glass reflects:
+// pixels marked transparent are specular, too.
 #pragma once
 
 #include <functional>
@@ -19,9 +19,9 @@ struct MarkedMasks {
   std::vector<Intrinsics> sizes;                                           // [view]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
-  std::vector<std::vector<uint16_t>> shown;                                // [view][h,w] 1 + the nearest thing; 0: none
+  std::vector<std::vector<uint16_t>> shown;                                // [view][h,w] 1 + index of the nearest object; 0: none
 };
-// Throws Error{Input} when no point of space lies inside all marks of a thing.
+// Throws Error{Input} when the cones of the marks of an object have no common point.
 std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedThing>& things,
                                                int hull_voxels, const std::function<void(double)>& progress);
 
@@ -39,10 +39,10 @@ class MarkedSource final : public MaskSource {
   MaskClass kind_;
 };
 
-// masks/marked, where a thing has a name (core/scene/camera/view_masks.h).
+// Writes masks/marked when an object has a name (core/scene/camera/view_masks.h).
 void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks);
 
-// Whether marks of `kind` say something of `of`.
+// True if marks of class `kind` also mark class `of`.
 bool marks_class(MaskClass kind, MaskClass of);
 
 }  // namespace vitrine

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kEdgeSteps = 16;  // a straight edge of the photo is a curve in the undistorted one
+constexpr int kEdgeSteps = 16;  // samples per edge: undistortion makes a straight edge a curve
 
 class Reader {
  public:
@@ -46,7 +46,7 @@ class Reader {
   }
 
  private:
-  // The photo that the text means is one that sfm could not place.
+  // True if the text names a photo without a pose.
   bool meant_photo_is_lost(const std::string& text) const {
     std::vector<std::string> names;
     for (const View& view : capture_.set.views) names.push_back(view.name);
@@ -72,7 +72,7 @@ class Reader {
     return std::nullopt;
   }
 
-  // From the marked photo to the undistorted one, edge by edge.
+  // Maps the outline from the marked photo to the undistorted one, edge by edge.
   std::optional<std::vector<Vec2d>> outline(const YamlNode& mark, const std::vector<Vec2d>& points, const Vec2d& size,
                                             size_t view) {
     const Undistortion& u = capture_.undistortions[view];

@@ -1,7 +1,7 @@
-// What a user marks by hand in a few photos, in a YAML file (../README.md shows one):
-//   size    [width, height] of the photos that were marked, in pixels; a mark may have its own
-//   marks   each names its photo and its class, and has a box [left, top, right, bottom] that the thing lies in, or a polygon,
-//           its outline; `thing` tells several things of a class apart
+// Reader of the YAML file with the marks of the user (example in ../README.md):
+//   size    [width, height] of the marked photos, in pixels; a mark may have its own
+//   marks   each has a photo, a class, and a box [left, top, right, bottom] that contains the object, or a polygon, its outline;
+//           `thing` separates several objects of a class
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace vitrine {
 
 struct Mark {
   size_t view = 0;
-  bool box = false;            // the thing lies somewhere in it; else it is its outline
+  bool box = false;            // box around the object; otherwise its outline
   std::vector<Vec2d> outline;  // pixels of the undistorted photo
 };
 
@@ -24,17 +24,17 @@ struct MarkedThing {
   std::string name;  // "transparent", or "transparent case"
   std::string word;  // "case", or empty
   MaskClass kind = MaskClass::Object;
-  std::vector<Mark> marks;  // in two photos at least, one a photo
+  std::vector<Mark> marks;  // in at least two photos, one per photo
 };
 
 struct Marks {
   std::vector<MarkedThing> things;
-  std::vector<std::string> without_camera;  // marked photos that sfm could not place, as the file calls them
+  std::vector<std::string> without_camera;  // marked photos without a pose, by the names in the file
 };
 
-// Throws Error{Usage} that shows every mistake at its line: unknown photos and classes, boxes that are none, outlines that
-// cross themselves, marks outside the picture or where the lens cannot be undone, things that are marked in one photo only. A
-// photo that sfm could not place is no mistake: its marks are left out.
+// Throws Error{Usage} with the line of every mistake: unknown photos and classes, invalid boxes, self-intersecting outlines,
+// marks outside the picture or where the distortion is not invertible, objects marked in only one photo. Marks in a photo without
+// a pose are ignored; they are not an error.
 Marks read_marks(const std::filesystem::path& path, const MaskCapture& capture);
 
 }  // namespace vitrine

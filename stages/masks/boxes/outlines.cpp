@@ -20,15 +20,15 @@ namespace {
 
 constexpr int kIterations = 4;
 constexpr size_t kFewestPixels = 40;
-constexpr double kMargin = 0.12;  // of the silhouette's width: background beyond, perhaps thing up to there
-constexpr double kLeast = 0.2;    // of the silhouette that must be found
+constexpr double kMargin = 0.12;  // of the silhouette's width: uncertain up to there, background beyond
+constexpr double kLeast = 0.2;    // share of the silhouette that must be segmented
 
-constexpr float kThing = 1;  // cost of a pixel of the thing; of the background: its squared error
+constexpr float kThing = 1;  // cost of an object pixel; a background pixel costs its squared error
 constexpr float kMostSquared = 4;
-constexpr float kSmooth = 1;  // cost of an outline, a pixel long, across pixels that are alike
+constexpr float kSmooth = 1;  // cost per pixel of outline between similar pixels
 constexpr float kDiagonal = 0.7f;
 
-// Two terminals and pixels, joined in both directions.
+// Flow network with two terminals and one node per pixel, with arcs in both directions.
 class FlowNetwork {
  public:
   explicit FlowNetwork(size_t pixels) : pixels_(pixels) {}
@@ -37,14 +37,14 @@ class FlowNetwork {
     arcs_.push_back({a, b, forth, arcs_.size() + 1});
     arcs_.push_back({b, a, back, arcs_.size() - 1});
   }
-  // Costs of calling the pixel either.
+  // Costs of the two labels of a pixel.
   void terminals(size_t pixel, float as_thing, float as_background) {
     join(thing(), pixel, as_background, 0);
     join(pixel, background(), as_thing, 0);
   }
-  // [pixel] 1 on the thing's side of the minimum cut.
+  // [pixel] 1 on the source (object) side of the minimum cut.
   std::vector<uint8_t> cut() const {
-    std::vector<size_t> order(arcs_.size()), place(arcs_.size());  // arcs by where they begin
+    std::vector<size_t> order(arcs_.size()), place(arcs_.size());  // arcs sorted by start node
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::stable_sort(order, {}, [&](size_t arc) { return arcs_[arc].from; });
     std::vector<std::pair<size_t, size_t>> ends;
@@ -68,7 +68,7 @@ class FlowNetwork {
     boost::boykov_kolmogorov_max_flow(graph, by(capacity, edge), by(residual, edge), by(reverse, edge), by(predecessor, vertex),
                                       by(colour, vertex), by(distance, vertex), vertex, thing(), background());
     std::vector<uint8_t> inside(pixels_);
-    for (size_t i = 0; i < inside.size(); ++i) inside[i] = colour[i] == boost::black_color;  // the source's tree
+    for (size_t i = 0; i < inside.size(); ++i) inside[i] = colour[i] == boost::black_color;  // source tree
     return inside;
   }
 
@@ -77,7 +77,7 @@ class FlowNetwork {
   struct Arc {
     size_t from, to;
     float capacity;
-    size_t reverse;  // the arc back
+    size_t reverse;  // reverse arc
   };
   size_t thing() const { return pixels_; }
   size_t background() const { return pixels_ + 1; }
@@ -85,12 +85,12 @@ class FlowNetwork {
   std::vector<Arc> arcs_;
 };
 
-// The outline of a thing in a photo that a background was predicted for: a cut of least cost through the pixels of a hull's
-// silhouette, which pays where the pixels' errors speak against it, and less for an outline along edges of the photo (Boykov,
-// Jolly, "Interactive Graph Cuts for Optimal Boundary and Region Segmentation", 2001; minimum cut of Boost.Graph).
+// Segmentation of an object against a predicted background: minimum cut over the pixels of the hull's silhouette. Data cost:
+// prediction error; smoothness cost: lower along image edges (Boykov, Jolly, "Interactive Graph Cuts for Optimal Boundary and
+// Region Segmentation", 2001; minimum cut of Boost.Graph).
 //
-// [h,w] 1 = thing. `error`: unexplained() of core/observe/stereo/background.h; unknown ones follow their neighbours. `about`: the
-// silhouette, outside of which nothing belongs to the thing.
+// Returns [h,w] 1 = object. `error`: unexplained() of core/observe/stereo/background.h; pixels without an error follow their
+// neighbours. `about`: the silhouette; no pixel outside it is labelled as object.
 std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> error, std::span<const uint8_t> about) {
   const int width = photo.srgb.width(), height = photo.srgb.height();
   constexpr size_t kNone = size_t(-1);
@@ -155,8 +155,8 @@ std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t
                              : about[i]            ? cv::GC_PR_FGD
                              : wide.data[i]        ? cv::GC_PR_BGD
                                                    : cv::GC_BGD);
-  if (size_t(cv::countNonZero(wide)) + kFewestPixels > pixels) return {};  // nothing is surely background
-  cv::setRNGSeed(1);  // its k-means draws; the generator is this thread's own
+  if (size_t(cv::countNonZero(wide)) + kFewestPixels > pixels) return {};  // no certain background
+  cv::setRNGSeed(1);  // for its k-means initialisation; the generator is local to this thread
   cv::Mat background, foreground;
   cv::grabCut(bgr, labels, {}, background, foreground, kIterations, cv::GC_INIT_WITH_MASK);
   std::vector<uint8_t> found(pixels);

@@ -18,8 +18,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kNetworkShare = 0.8;    // of the work
-constexpr double kLeastAgreement = 0.3;  // a hull that has less to do with the photos' masks than this decides nothing
+constexpr double kNetworkShare = 0.8;    // share of the progress
+constexpr double kLeastAgreement = 0.3;  // minimum IoU of the hull and the photos' masks for a vote
 constexpr float kOverruled = 0.3f;       // confidence where photo and hull disagree
 constexpr size_t kFewestVoters = 4;
 constexpr float kNetworkConfidence = 0.8f;  // factor on the confidence, which is 0 at the threshold
@@ -50,7 +50,7 @@ double belonging(const NetworkOutput& out, size_t pixel, NetworkActivation activ
   return activation == NetworkActivation::Sigmoid ? 1 / (1 + std::exp(-largest)) : std::clamp(largest, 0.0, 1.0);
 }
 
-// The photo as the network wants it, and its camera at that size.
+// The photo at the input size of the network.
 ImageF photo_of(const MaskCapture& capture, const View& view, int width, int height) {
   const ImageF linear = read_exr_rgb(linear_image_path(capture.sfm_folder, view));
   ImageF srgb = srgb_from_linear_image(resized(linear, width, height));
@@ -64,7 +64,7 @@ std::vector<uint8_t> inside_of(const std::vector<float>& value) {
   return inside;
 }
 
-// What is left of a mask that an eraser of 2 radius + 1 pixels cannot wipe out: morphological opening.
+// Morphological opening with a square of 2 radius + 1 pixels.
 std::vector<uint8_t> opened(const std::vector<uint8_t>& mask, const Intrinsics& k, int radius) {
   std::vector<uint8_t> from = mask, to(mask.size());
   const auto pass = [&](int dx, int dy, bool shrink) {
@@ -84,7 +84,7 @@ std::vector<uint8_t> opened(const std::vector<uint8_t>& mask, const Intrinsics& 
   return from;
 }
 
-// Lets the photos vote on one class.
+// Vote of the photos on one class.
 void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
   std::vector<Silhouette> photos;
   std::vector<std::vector<uint8_t>> own;
@@ -108,7 +108,7 @@ void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
   for (size_t v = 0; v < own.size(); ++v) {
     std::vector<uint8_t> apart(own[v].size());
     for (size_t i = 0; i < apart.size(); ++i) apart[i] = own[v][i] != carried[v][i];
-    // An outline is the photo's own: the hull's is no finer than its voxels.
+    // Outlines are kept from the photo: the hull is no more precise than its voxels.
     const Intrinsics& k = masks.views[v].intrinsics;
     c.doubted.push_back(opened(apart, k, std::max(1, k.longest_side() / kVoteVoxels)));
     for (size_t i = 0; i < apart.size(); ++i)
@@ -200,7 +200,7 @@ std::shared_ptr<const NetworkMasks> network_masks(const NetworkMasksConfig& conf
   }
   for (MaskClass kind : classes) {
     NetworkMasks::Class& c = masks->classes[size_t(kind)];
-    // Who walks through the photos is in another place in each.
+    // Passers-by move between photos, so no vote.
     if (!c.found || kind == MaskClass::Ignore || views.size() < kFewestVoters) continue;
     vote(*masks, c);
     log_info("masks: {}: photos and their hull overlap by {:.2f}{}", name(kind), c.agreement,

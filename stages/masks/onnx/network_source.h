@@ -1,5 +1,5 @@
-// Masks from a segmentation network that looks at one photo at a time (core/observe/network). The photos then vote: the visual hull of
-// the masks of a class is carried to all photos; where a photo and the hull disagree, the hull counts, with little confidence.
+// Masks from a segmentation network that processes one photo at a time (core/observe/network). The photos then vote: the visual
+// hull of the masks of a class is projected into all photos and replaces the mask where they disagree, with low confidence.
 #pragma once
 
 #include <array>
@@ -30,29 +30,30 @@ struct NetworkMasksConfig {
   double threshold = 0.5;
 
   const std::vector<double>& channels_of(MaskClass kind) const;
-  std::string problem() const;  // empty when nothing contradicts itself
+  std::string problem() const;  // empty when the configuration is consistent
 };
 void describe(Describer& d, NetworkMasksConfig& c);
 
-// [h,w] in [0,1]; 1/2 is the threshold, and what lies nearer to never or always than to it is 0 or 1. Of several channels the
-// largest counts, with softmax their sum. Throws Error{Input} when the network gives what is no number.
+// Class probability [h,w] in [0,1], remapped so that the threshold becomes 1/2; values nearer to 0 or 1 than to the threshold
+// become 0 or 1. Of several channels the largest counts, with softmax their sum. Throws Error{Input} when the output contains NaN
+// or infinity.
 std::vector<float> class_values(const NetworkOutput& out, const NetworkMasksConfig& config, std::span<const double> channels,
                                 const std::string& where);
 
 struct NetworkMasks {
   struct Class {
-    bool asked = false, found = false;  // found: some pixel of some photo belongs
+    bool asked = false, found = false;  // found: some pixel of some photo belongs to the class
     bool voted = false;
-    double agreement = 0;                       // mean overlap of the photos' masks and the hull's; 0 without a hull
+    double agreement = 0;                       // mean IoU of the photos' masks and the visual hull; 0 without a hull
     std::vector<std::vector<float>> value;      // [view][h,w]
     std::vector<std::vector<uint8_t>> doubted;  // [view][h,w] photo and hull disagree; empty without a vote
   };
   NetworkMasksConfig config;
   std::string sha256;
-  std::vector<View> views;  // at the size of the masks
+  std::vector<View> views;  // at mask size
   std::array<Class, kMaskClassCount> classes;
 };
-// Throws Error{Input} as PhotoNetwork does. `classes`: those that are asked for.
+// Throws Error{Input} as PhotoNetwork does. `classes`: the requested ones.
 std::shared_ptr<const NetworkMasks> network_masks(const NetworkMasksConfig& config, const MaskCapture& capture,
                                                   const std::filesystem::path& file, std::span<const MaskClass> classes,
                                                   const std::function<void(double)>& progress);

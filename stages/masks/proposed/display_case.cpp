@@ -11,18 +11,19 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kCaseReach = 0.6;           // of the cameras' ring: farther out nobody walks around a thing
+constexpr double kCaseReach = 0.6;           // of the radius of the camera ring: no search beyond
 constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
-constexpr double kAboveCameras = 0.3;        // of the ring: cases on a table end below, whatever sparse points say
+constexpr double kAboveCameras =
+    0.3;  // of the camera ring's radius: maximum height above the cameras, whatever the sparse points are
 constexpr size_t kFewestPoints = 20;
 constexpr double kOnSurface = 0.03;        // of the depth
-constexpr double kFoot = 0.15;             // share of what is known in the plan of a box that lies below its foot
-constexpr double kShrunk = 0.8;            // of the plan: beside a case other things stand
-constexpr double kBelow = 0.5;             // of the height: how far below where edges begin to show its foot may be
-constexpr size_t kFewestCasePixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
-constexpr size_t kMostAsked = 12;          // boxes
-constexpr double kLeastRim = 5.5;          // standard deviations: how far its rim stands out of other heights
-constexpr double kLeastSeenThrough = 0.6;  // of each side: what must show what lies behind it
+constexpr double kFoot = 0.15;             // share of known points in the footprint of a box that lie below its bottom
+constexpr double kShrunk = 0.8;            // of the footprint: excludes neighbouring objects
+constexpr double kBelow = 0.5;             // of the height: the bottom may lie this far below the lower end of the edges
+constexpr size_t kFewestCasePixels = 300;  // over all photos: minimum to judge a side or a bottom
+constexpr size_t kMostAsked = 12;          // maximum number of tested boxes
+constexpr double kLeastRim = 5.5;          // standard deviations of the edge score of the rim above that of other heights
+constexpr double kLeastSeenThrough = 0.6;  // of each side: share of pixels that show the background
 
 // visit(pixel, reliable z-depth or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
@@ -46,7 +47,7 @@ bool same_place(const Box& a, const Box& b) {
   return holds(a, b) || holds(b, a);
 }
 
-// A case stands on what is known in its plan: all but some strays lie above its foot.
+// Bottom of a case: the surface below it, except for a few outliers.
 double foot(const Box& box, std::span<const View> views, std::span<const DepthMap> maps) {
   Box column = box;
   const Vec3d middle = 0.5 * (box.low + box.high);
@@ -64,7 +65,7 @@ double foot(const Box& box, std::span<const View> views, std::span<const DepthMa
   return order_statistic_of(std::span(heights), size_t(kFoot * double(heights.size())));
 }
 
-// Of each side that is asked the share of its known pixels that show what lies behind it; the least.
+// Minimum over the tested sides of the share of known pixels that show the background.
 double seen_through(const Box& box, std::span<const View> views, std::span<const DepthMap> maps) {
   std::array<size_t, Box::kFaces> all{}, through{};
   for (size_t v = 0; v < views.size(); ++v)

@@ -1,5 +1,6 @@
-// A display case that nobody marked: a box that stands upright by its edges (core/observe/stereo/standing_boxes.h), and that one sees
-// into. A crate has such edges, too, but stereo finds its sides; behind glass it finds what is in the case, or behind it.
+// Detection of unmarked display cases: upright boxes with visible edges (core/observe/stereo/standing_boxes.h) and transparent
+// sides. A crate has such edges as well, but there stereo reconstructs the sides; with glass it reconstructs the content or the
+// background.
 #pragma once
 
 #include <span>
@@ -11,18 +12,18 @@
 namespace vitrine {
 
 struct DisplayCase {
-  Box box;                    // its foot where the photos have what it stands on
+  Box box;                    // its bottom is at the height of the supporting surface
   double posts = 0, rim = 0;  // StandingBox
-  double seen_through = 0;    // share of the known pixels of the side at which that is least
+  double seen_through = 0;    // share of see-through pixels, of the known ones; minimum over the sides
 };
 
-// Where to look: around what was walked around. Empty without sparse points.
+// Search region: the volume that the cameras surround. Empty without sparse points.
 Bounds3 about_standing_boxes(const ViewSet& set);
-// Those of the boxes (best first) that are of glass, none in another. `maps`: of each view, of its size.
+// The boxes (best first) that are glass; none inside another. `maps`: one per view, of its size.
 std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::span<const View> views,
                                        std::span<const DepthMap> maps);
 
-// 1 where the case is seen and nothing known stands before it, [h,w] of the view.
+// [h,w] of the view: 1 where the case is visible and not occluded by a known surface.
 std::vector<uint8_t> case_mask(const DisplayCase& glass, const View& view, const DepthMap& map);
 
 }  // namespace vitrine

@@ -22,16 +22,16 @@ namespace {
 
 constexpr double kMargin = 1.5;     // voxels around a piece
 constexpr size_t kFewestMarks = 3;  // photos that show all of a piece
-constexpr int kReduction = 2;       // of the photos in which places are compared
-constexpr float kWhole = 0.999f;    // coverage of a pixel that shows nothing else
-constexpr double kSlack = 3;        // voxels that a hull may be off by
+constexpr int kReduction = 2;       // downscaling of the photos in which surface points are compared
+constexpr float kWhole = 0.999f;    // coverage of a pixel that shows only the object
+constexpr double kSlack = 3;        // tolerance of the hull surface, voxels
 constexpr size_t kMostPlaces = 4000;
-constexpr double kMayMirror = 0.2;       // least view dependence of what stereo found in a piece
-constexpr double kMayOwnSurface = 0.25;  // and share of its pixels
-constexpr double kMirror = 0.18;         // of a whole thing; matt ones mostly have less than .13
-constexpr double kOwnSurface = 0.3;      // where less of it has a surface, the piece is a gap in what is known
-constexpr double kStereoElsewhere = 4;   // the share must be so many times that of surfaces in front or behind
-constexpr double kPartOfAnother = 0.5;   // of the places
+constexpr double kMayMirror = 0.2;       // minimum view dependence of the stereo points of a piece
+constexpr double kMayOwnSurface = 0.25;  // minimum share of its pixels with such points
+constexpr double kMirror = 0.18;         // minimum for a mirror; matt objects are mostly below .13
+constexpr double kOwnSurface = 0.3;      // below this share the piece is a gap in the known surfaces
+constexpr double kStereoElsewhere = 4;   // minimum ratio to the share of surfaces in front or behind
+constexpr double kPartOfAnother = 0.5;   // of the surface points
 
 // Loose outlines of a piece in the photos that show all of it.
 MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
@@ -58,11 +58,11 @@ MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
   return thing;
 }
 
-// The pixels that show a thing, and where their rays pass it.
+// Pixels of an object and the depths at which their rays pass it.
 struct Shown {
   std::span<const std::vector<uint8_t>> inside;  // [view][h,w]
   std::span<const HullDepths> passed;            // [view]
-  double slack;                                  // depths may be off by it
+  double slack;                                  // tolerance of the depths
 };
 
 struct PieceSeen {
@@ -106,7 +106,7 @@ class MirrorTrial {
     spread_ = luminance_spread(photos_);
   }
 
-  // By what stereo found in it: most pieces are none.
+  // Quick test by the stereo points of a piece: rejects most pieces.
   bool may_be(const UnexplainedPiece& piece) {
     const PieceSeen in = seen_in(stereo_.views(), piece);
     const Shown seen{in.inside, in.passed, kSlack * piece.voxel};
@@ -117,7 +117,7 @@ class MirrorTrial {
     return by >= kMayMirror && stereo.share >= kMayOwnSurface;
   }
 
-  // nullopt: no mirror.
+  // nullopt: not a mirror.
   std::optional<FoundMirror> mirror(CarriedThing thing) {
     FoundMirror found{.thing = std::move(thing)};
     const Shown seen{found.thing.inside, found.thing.passed, kSlack * found.thing.hull.voxel()};
@@ -135,11 +135,11 @@ class MirrorTrial {
 
  private:
   struct StereoPlaces {
-    std::vector<ShapePoint> places;  // on the thing
-    double share, elsewhere;         // of its pixels: that show one of those, or a surface in front or behind
+    std::vector<ShapePoint> places;  // on the object
+    double share, elsewhere;         // shares of its pixels: with such a point; with a surface in front or behind
   };
 
-  // View dependence of places of a thing, 0 where too few are seen.
+  // View dependence of surface points of an object; 0 if too few are visible.
   double changes(const std::vector<ShapePoint>& places, const Shown& seen) {
     const std::span<const View> views = stereo_.views();
     for (size_t v = 0; v < photos_.size(); ++v) {

@@ -1,7 +1,7 @@
-// Mirrors that nobody marked. What neither stereo nor a large plane explains (core/observe/stereo/unexplained_pieces.h) is carried to all
-// photos like something that was marked with boxes, and is a mirror where its places change with the view as much as the photos
-// do (core/observe/stereo/view_dependence.h): those of the hull, as a thing without texture has one colour from all sides, and those that
-// stereo found on it, as texture stays in its place.
+// Detection of unmarked mirrors. A piece that neither stereo nor a large plane explains
+// (core/observe/stereo/unexplained_pieces.h) is propagated to all photos like an object marked with boxes. It is a mirror if both
+// kinds of its surface points are as view-dependent as the photos vary (core/observe/stereo/view_dependence.h): those of the hull
+// (an untextured surface has one colour from all sides) and those that stereo found on it (texture stays in place).
 #pragma once
 
 #include <functional>
@@ -15,10 +15,10 @@ namespace vitrine {
 struct FoundMirror {
   CarriedThing thing;
   double of_hull = 0, of_stereo = 0;  // view dependence
-  double stereo_share = 0;            // of its pixels at which stereo found a surface that is its own
+  double stereo_share = 0;            // share of its pixels at which stereo found a surface of its own
 };
 
-// `desc` with stereo. Largest first; none in another.
+// Requires `desc.stereo`. Largest first; none inside another.
 std::vector<FoundMirror> found_mirrors(const CarryDesc& desc, std::span<const Explanation> explained,
                                        const std::function<void(double)>& progress);
 

@@ -12,12 +12,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kHullEdge = 1.5f;                            // pixels of the small photo: the voxels are no finer
-constexpr int kEdgeSide = 640;                               // pixels of photos whose edges are looked at
-constexpr double kStereoShare = 0.3, kExplainedShare = 0.5;  // of the work, done then
+constexpr float kHullEdge = 1.5f;                            // pixels of the small photo: voxel resolution
+constexpr int kEdgeSide = 640;                               // pixels, photos for edge detection
+constexpr double kStereoShare = 0.3, kExplainedShare = 0.5;  // progress after stereo and after the explanation
 constexpr float kFound = 0.9f, kDoubted = 0.4f;              // confidence; doubted: a photo and the hull disagree
-constexpr size_t kFewestPhotos = 8;                          // fewer cannot vote
-constexpr double kLeastPosts = 24;  // how far the upright edges of a case stand out of what is around them, in all
+constexpr size_t kFewestPhotos = 8;                          // minimum for a vote
+constexpr double kLeastPosts = 24;  // minimum total edge score of the upright edges of a case above their surroundings
 
 }  // namespace
 

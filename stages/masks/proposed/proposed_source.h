@@ -1,4 +1,4 @@
-// Masks that nobody drew: display cases and mirrors that the photos alone show (README, "proposed").
+// Masks without user input: display cases and mirrors detected in the photos (README, "proposed").
 #pragma once
 
 #include <functional>
@@ -19,13 +19,13 @@ struct ProposedConfig {
 void describe(Describer& d, DisplayCaseConfig& c);
 void describe(Describer& d, ProposedConfig& c);
 
-// One analysis serves both classes.
+// Result of one analysis, used for both classes.
 struct Proposal {
   std::vector<Intrinsics> sizes;  // [view]
   std::vector<DisplayCase> cases;
   std::vector<FoundMirror> mirrors;
   std::vector<std::vector<uint8_t>> in_case, mirrored, doubted;  // [view][h,w]
-  bool unsure = false;                                           // too few photos, or stereo finds too little
+  bool unsure = false;                                           // too few photos, or too little stereo
 };
 std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
                                         const std::function<void(double)>& progress);
