@@ -51,7 +51,7 @@ Developed develop(const fs::path& path, int max_side) {
 }
 
 size_t develop_bytes(size_t pixels) {
-  // Worst case, 16 bits with alpha: the decoder's copy, its float copy, ours with alpha, and ours without.
+  // Worst case, 16 bits with alpha: the decoder's copy, its float copy, our copy with alpha, and our copy without.
   constexpr size_t kBytesPerPixel = 8 + 16 + 16 + 12;
   return pixels * kBytesPerPixel;
 }

@@ -1,4 +1,4 @@
-// One photo file -> an upright linear image of at most max_side.
+// Development of one photo file to an upright linear image of at most max_side.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@ namespace vitrine::ingest {
 struct Developed {
   Digest digest;                   // of the file
   ImageF linear;                   // upright, [h, w, 3]
-  Photo photo;                     // all but name, stem and source
+  Photo photo;                     // all fields but name, stem and source
   RepairedValues repaired;         // of floating-point samples
-  std::vector<std::string> notes;  // what is left out or assumed (core/scene/image/picture_file.h, core/scene/image/exr.h)
+  std::vector<std::string> notes;  // omitted or assumed content (core/scene/image/picture_file.h, core/scene/image/exr.h)
   std::string aside;
   ColorFacts color;
 };
@@ -23,7 +23,7 @@ struct Developed {
 // Throws Error{Input} when the file is empty, damaged or truncated.
 Developed develop(const std::filesystem::path& path, int max_side);
 
-// Bytes that `develop` needs at its peak for a photo of so many pixels.
+// Peak memory of `develop` for a photo of `pixels` pixels, in bytes.
 size_t develop_bytes(size_t pixels);
 
 }  // namespace vitrine::ingest

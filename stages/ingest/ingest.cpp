@@ -24,9 +24,9 @@ namespace {
 
 using namespace ingest;
 
-constexpr size_t kMinPhotos = 2;  // one photo has no depth
+constexpr size_t kMinPhotos = 2;  // minimum for structure from motion
 
-// What became of one file.
+// Result for one file.
 struct Outcome {
   Photo photo;
   std::string failure;  // empty = developed
@@ -38,19 +38,19 @@ struct Outcome {
 };
 
 size_t stored_pixels(const fs::path& path) {
-  constexpr size_t kHead = 1 << 18;  // EXIF with a thumbnail ends well before
+  constexpr size_t kHead = 1 << 18;  // EXIF with a thumbnail is shorter
   std::string head(kHead, '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<size_t>(in.gcount()));
   Probe probe = probe_photo(head);
-  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
+  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories are often at the end of the file
   constexpr uint64_t kTypicalPixels = 24'000'000, kMaxSide = 1 << 20;
   if (probe.width == 0 || probe.height == 0 || probe.width > kMaxSide || probe.height > kMaxSide) return kTypicalPixels;
   return static_cast<size_t>(probe.width * probe.height);
 }
 
-// As many photos at once as there are threads, or as memory allows.
+// Number of photos processed in parallel: one per thread, limited by memory.
 size_t photos_at_once(const std::vector<PhotoFile>& photos, const StageContext& context) {
   size_t largest = 1;
   for (const PhotoFile& photo : photos) largest = std::max(largest, stored_pixels(photo.path));
@@ -99,7 +99,7 @@ std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_
   return outcomes;
 }
 
-// The failures, one a line, at most `kShown`.
+// List of the failures, one per line, at most `kShown`.
 std::string failure_list(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes) {
   constexpr size_t kShown = 10;
   std::string text;
@@ -124,7 +124,7 @@ void report_folder(const PhotoFolder& folder, StageContext& context) {
   for (const FolderNote& note : notes_of(folder)) context.warning(note.code, note.sentence());
 }
 
-// Copies of one file: they cost time and tell nothing new, but do no harm.
+// Reports copies of one file: they cost time and add no information, but do no harm.
 void report_repeated(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes, StageContext& context) {
   std::map<std::string, size_t> first;
   size_t repeated = 0;
@@ -141,7 +141,7 @@ void report_repeated(const std::vector<PhotoFile>& files, const std::vector<Outc
                                 repeated == 1 ? "1 photo is" : fmt::format("{} photos are", repeated), example, first.size()));
 }
 
-// Each thing that was left out or assumed once, with the number of photos and the name of the first.
+// Reports each omitted or assumed content once, with the number of photos and the name of the first.
 void report_contents(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes, StageContext& context) {
   struct Several {
     size_t photos = 0, first = 0;
@@ -163,7 +163,7 @@ void report_contents(const std::vector<PhotoFile>& files, const std::vector<Outc
   for (const auto& [aside, several] : asides) log_info("{}", sentence(aside, several));
 }
 
-// Says what was taken for granted of colours and alpha. Returns what was converted, for the summary.
+// Reports assumptions about colours and alpha. Returns the conversions, for the summary.
 std::string report_colors(const std::vector<Outcome>& outcomes, StageContext& context) {
   std::vector<const ColorFacts*> colors;
   for (const Outcome& o : outcomes) colors.push_back(o.failure.empty() ? &o.color : nullptr);

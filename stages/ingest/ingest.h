@@ -1,5 +1,5 @@
-// Ingest: a folder of photographs becomes upright linear EXR files, 8-bit copies for structure from motion, and
-// ingest/photos.json with what EXIF knows about focal length and exposure (README.md).
+// Stage `ingest`: a folder of photos -> upright linear EXR files, 8-bit copies for structure from motion, and ingest/photos.json
+// with focal length and exposure from EXIF (README.md).
 #pragma once
 
 #include "stages/stage.h"

@@ -17,12 +17,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kNeighbours = 6;          // photos that each photo is matched with
-constexpr double kFarFactor = 3;           // how far beyond the farthest sparse points surfaces are looked for
+constexpr size_t kNeighbours = 6;          // matching partners per photo
+constexpr double kFarFactor = 3;           // search range beyond the farthest sparse points
 constexpr float kObjectConfidence = 0.5f;  // of the normals of glass, mirrors and coats
-constexpr float kFullAgreement = 3;        // neighbours that see the same surface make a depth as sure as it gets
-constexpr float kConvincingAlone = 0.9f;   // NCC of a depth that nobody was asked to confirm
-constexpr float kOnMirror = 0.3f;          // stereo on an object whose surface it probably does not see
+constexpr float kFullAgreement = 3;        // consistent neighbours for full confidence
+constexpr float kConvincingAlone = 0.9f;   // NCC required of a depth without a consistency check
+constexpr float kOnMirror = 0.3f;          // stereo on an object whose surface it probably does not measure
 
 std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   const ViewSet& set = desc.capture.set;
@@ -33,7 +33,7 @@ std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   for (uint32_t v = 0; v < photos.size(); ++v) {
     if (!wanted[v]) continue;
     photos[v].neighbours = partners[v];
-    if (photos[v].neighbours.empty()) {  // kept for the evaluation: it helps nobody, but may be helped
+    if (photos[v].neighbours.empty()) {  // held out: not a partner for others, but may use others
       std::vector<uint32_t> with_it = desc.capture.helpers;
       with_it.insert(std::upper_bound(with_it.begin(), with_it.end(), v), v);
       photos[v].neighbours = stereo_neighbours(set, with_it, kNeighbours)[v];
@@ -52,9 +52,9 @@ std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   return photos;
 }
 
-// A few photos at a time, so that a run can be followed and stopped.
+// In batches, for progress and interrupts.
 std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, const std::function<void(double)>& progress) {
-  const size_t batch = 4 * size_t(thread_limit());  // results do not depend on it
+  const size_t batch = 4 * size_t(thread_limit());  // the results do not depend on it
   std::vector<std::vector<uint32_t>> partners(photos.size());
   for (size_t v = 0; v < photos.size(); ++v) partners[v].swap(photos[v].neighbours);
   std::vector<DepthMap> depths(photos.size());
@@ -73,7 +73,7 @@ std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, const std
   return depths;
 }
 
-// A depth counts by how many photos confirm it; where none was matched for that (`confirmed` false) by its own correlation.
+// Weight of a depth: the number of consistent photos; if consistency was not computed (`confirmed` false), its NCC.
 DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   DepthSamples samples{map.width, map.height, std::vector<float>(map.zdepth.size()), std::vector<float>(map.zdepth.size())};
   for (size_t i = 0; i < map.zdepth.size(); ++i) {
@@ -86,8 +86,8 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
-// Pixels of objects: the normals of their shapes. Behind glass stereo sees something else, and on a mirror perhaps; paint under a
-// coat it matches, and the normals of a visual hull are no better there.
+// Writes the normals of the objects' shapes to their pixels. Stereo measures the wrong surface behind glass and perhaps on a
+// mirror; on paint under a coat it works, and the normals of a visual hull are no better.
 void put_objects(const GeometricDesc& desc, const View& view, const View& photo, NormalMap& map) {
   const Intrinsics& k = view.intrinsics;
   const ObjectSet& set = desc.capture.objects.objects();
@@ -140,7 +140,7 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
   std::vector<StereoPhoto> photos = stereo_photos(desc);
   progress(0.1);
   std::vector<DepthMap> depths = matched_depths(photos, [&](double f) { progress(0.1 + 0.65 * f); });
-  // With every helper's own depths at hand they confirm each other.
+  // Consistency needs the depth maps of all partners.
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
   if (confirmed) count_agreement(photos, depths);

@@ -1,5 +1,5 @@
-// Normals from the photos themselves: stereo gives depths where there is texture, planes fitted to them give normals; inside the
-// labels of glass and mirrors, which stereo cannot match, the shapes of the objects do.
+// Normals by multi-view stereo: depths where there is texture, and planes fitted to them. Inside the labels of glass and mirrors,
+// where stereo fails, the normals of the objects' shapes.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +15,14 @@
 
 namespace vitrine {
 
-// What every source of normals looks at: cameras, sparse points, photos, and objects where there are any.
+// Input of all sources of normals: cameras, sparse points, photos, and objects if available.
 struct NormalCapture {
   std::filesystem::path sfm;
-  LabelledObjects objects;  // trusted ones
+  LabelledObjects objects;  // without guessed objects
   ViewSet set;
-  std::vector<uint32_t> helpers;  // photos that others may be matched with: not those kept for the evaluation
+  std::vector<uint32_t> helpers;  // photos usable as matching partners (not held out)
 
-  // The photo, display-referred, at a size of the caller's. [h,w,3]
+  // The photo, display-referred, at the requested size. [h,w,3]
   ImageF photo(size_t view, int width, int height) const;
 };
 
@@ -31,13 +31,12 @@ NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::o
 
 struct GeometricDesc {
   const NormalCapture& capture;
-  int max_side;                     // at which the photos are matched, pixels
-  std::span<const uint32_t> views;  // photos that are wanted
+  int max_side;                     // matching resolution, pixels
+  std::span<const uint32_t> views;  // requested photos
   bool with_objects = true;
 };
 
-// One map per wanted photo, at most desc.max_side large; empty for a photo that no other one can be matched with:
-// `alone` counts them.
+// One map per requested photo, at most desc.max_side large; empty for a photo without a matching partner: `alone` counts them.
 std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress,
                                          size_t* alone = nullptr);
 

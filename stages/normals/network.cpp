@@ -9,7 +9,7 @@
 #include "core/foundation/base/hash.h"
 #include "core/observe/network/photo_network.h"
 
-// The file itself, as the compiler's assembler takes it in; the build names it.
+// Embeds the network file through the assembler; the build defines its path.
 asm(".section .rodata\n"
     ".global vitrine_rooms_onnx\n"
     ".global vitrine_rooms_onnx_end\n"
@@ -27,7 +27,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kHalfSure = 20;    // degrees of expected error that halve the confidence
-constexpr float kShortest = 1e-3f;  // of an output vector that means a normal
+constexpr float kShortest = 1e-3f;  // shortest output vector accepted as a normal
 constexpr int kSmoothing = 2;       // radius of the mean that a normal is compared with
 
 std::string_view built_in_bytes() {
@@ -40,7 +40,7 @@ double expected_angle(double kappa) {
   return (2 * kappa / (kappa * kappa + 1) + tail * std::numbers::pi / (1 + tail)) * 180 / std::numbers::pi;
 }
 
-// A network that says nothing of its own doubts: less sure where normals change (algorithm of the monocular loss).
+// Confidence for a network without one: lower where normals change (algorithm of the monocular loss).
 void smoothness_confidence(NormalMap& map) {
   const int w = map.normal.width(), h = map.normal.height();
   for (int y = 0; y < h; ++y)

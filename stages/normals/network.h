@@ -1,4 +1,4 @@
-// A network that predicts normals from one photo (core/observe/network), and the one that is built in.
+// Normal prediction from one photo by a network (core/observe/network): the user's or the built-in one.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace vitrine {
 
 class NormalNetwork {
  public:
-  // The file, else the network that is built in. Throws Error{Input}: unreadable, not ONNX, another digest than config.sha256, an
-  // operator that OpenCV lacks, an output that is no picture of normals.
+  // Loads the file, or the built-in network without one. Throws Error{Input}: unreadable, not ONNX, digest differs from
+  // config.sha256, an operator missing in OpenCV, or an output that is not an image of normals.
   NormalNetwork(const std::optional<std::filesystem::path>& file, const OnnxConfig& config);
   ~NormalNetwork();
 
-  // Size at which a photo of width x height goes in.
+  // Network input size for a photo of width x height.
   std::pair<int, int> input_size(int width, int height) const;
-  // `srgb` has that size. Normals in the network's own frame, at the size it gives.
+  // `srgb` has that size. Returns normals in the network's frame, at its output size.
   NormalMap predict(const ImageF& srgb);
   const std::string& sha256() const;
   bool built_in() const;
@@ -30,9 +30,9 @@ class NormalNetwork {
   std::unique_ptr<State> state_;
 };
 
-// The digest of the network that is built in, for the cache key.
+// Digest of the built-in network, for the cache key.
 std::string built_in_network_sha256();
-// Input and output of the network that is built in.
+// Input and output of the built-in network.
 OnnxConfig built_in_network_config();
 
 }  // namespace vitrine

@@ -13,19 +13,19 @@ namespace vitrine {
 
 namespace {
 
-// Edges and the rounding of 8-bit files tilt a normal a little beyond the silhouette.
+// Image edges and the rounding of 8-bit files tilt normals slightly beyond the silhouette.
 constexpr float kGrazing = 0.1f;
-// Two normals that a pixel mixes half and half: below this length of their mean they say nothing.
+// Minimum length of the mean of two mixed normals; below it the mean is unreliable.
 constexpr float kShortestMean = 0.3f;
-constexpr float kShortestStored = 0.7f, kLongestStored = 1.3f;  // of a normal as stored: blending and rounding change its length
-constexpr double kMostNormals = 0.8;                            // share of the pixels with such a length that makes a normal map
+constexpr float kShortestStored = 0.7f, kLongestStored = 1.3f;  // of a stored normal; blending and rounding change its length
+constexpr double kMostNormals = 0.8;                            // minimum share of pixels with such a length in a normal map
 
 struct Decoded {
   ImageF normal;  // as stored, not yet of unit length; 0 0 0 = unknown
   double share = 0;
 };
 
-// (n + 1) / 2 in [0,1]; black is the habit for "no normal here", as is an alpha of 0.
+// Decodes (n + 1) / 2 in [0,1]; black or alpha 0 conventionally means no normal.
 Decoded decoded(const ImageF& file, bool encoded) {
   Decoded d{ImageF(file.width(), file.height(), 3)};
   size_t known = 0, normal = 0;
@@ -126,7 +126,7 @@ std::optional<fs::path> find_normal_file(const fs::path& folder, const View& vie
 NormalMap read_normal_file(const fs::path& file, const View& view) {
   const ImageF pixels = pixels_of(file);
   const Intrinsics& k = view.intrinsics;
-  // Of the photo's shape, to within the rounding of a pixel.
+  // Same aspect ratio as the photo, to within the rounding of a pixel.
   if (std::abs(double(pixels.width()) * k.height - double(pixels.height()) * k.width) > k.longest_side())
     throw Error(ErrorKind::Input, "a normal map does not have its photo's shape",
                 {.where = file.string(),
@@ -136,7 +136,7 @@ NormalMap read_normal_file(const fs::path& file, const View& view) {
                  .code = "SIZE_MISMATCH"});
   const bool exr = file.extension() == ".exr";
   Decoded d = decoded(pixels, !exr);
-  if (exr && d.share < kMostNormals)  // some write (n + 1) / 2 there, too
+  if (exr && d.share < kMostNormals)  // some tools write (n + 1) / 2 to EXR as well
     if (Decoded other = decoded(pixels, true); other.share > d.share) d = std::move(other);
   if (d.share < kMostNormals)
     refuse(file, d.share == 0 ? "no pixel holds a vector of unit length"

@@ -1,4 +1,4 @@
-// Normals of one photo in the OpenCV camera frame (a wall that faces the camera is 0 0 -1) and how far they can be trusted.
+// Normal map of one photo in the OpenCV camera frame (a wall facing the camera is 0 0 -1), with a confidence.
 #pragma once
 
 #include <filesystem>
@@ -28,26 +28,26 @@ struct NormalMap {
   void forget(int x, int y) { set(x, y, {}, 0); }
 };
 
-// The mean of what a new pixel covers, weighted by confidence, of unit length again; disagreement lowers the confidence.
+// Area average weighted by confidence, renormalised; a spread of the normals lowers the confidence.
 NormalMap resized(const NormalMap& map, int width, int height);
 
 struct Facing {
-  size_t known = 0, away = 0;  // pixels with a normal; those of them that look away from the camera
+  size_t known = 0, away = 0;  // pixels with a normal; those of them facing away from the camera
 };
-// Takes away normals that look away from the camera: no visible surface does. `k` has the size of the map.
+// Removes normals facing away from the camera: no visible surface has them. `k` has the size of the map.
 Facing forget_hidden_sides(NormalMap& map, const Intrinsics& k);
 
 // `folder`/<stem>.exr and `folder`/<stem>_confidence.png.
 void write_normal_map(const std::filesystem::path& folder, const View& view, const NormalMap& map);
 
-// Normal maps of the user's, from whatever predicted them: PNG of 8 or 16 bit with rgb = (n + 1) / 2, or EXR. README.md lists the
-// names under which they are found.
+// Normal maps of the user, from any predictor: PNG of 8 or 16 bits with rgb = (n + 1) / 2, or EXR. README.md lists the accepted
+// file names.
 //
-// `folder`/<stem>.exr and the like; nullopt when the photo has none.
+// Path of a photo's map, `folder`/<stem>.exr and the like; nullopt if there is none.
 std::optional<std::filesystem::path> find_normal_file(const std::filesystem::path& folder, const View& view);
 
-// In the file's own frame, at its own size; known pixels have confidence 1, or that of <stem>_confidence.png beside it. Throws
-// Error{Input} when it is no normal map, or not of the photo's shape.
+// Reads a map in the file's frame and size; known pixels have confidence 1, or that of <stem>_confidence.png next to it. Throws
+// Error{Input} when it is not a normal map, or has another aspect ratio than the photo.
 NormalMap read_normal_file(const std::filesystem::path& file, const View& view);
 
 }  // namespace vitrine

@@ -20,11 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kSpaceViews = 4;           // photos that the detection of the frame looks at
-constexpr double kSuspectAway = 0.05;       // share of normals away from the camera that is worth a word
-constexpr double kWrongAway = 0.5;          // ... and that no mistake but the frame's explains
+constexpr size_t kSpaceViews = 4;           // photos used to detect the frame
+constexpr double kSuspectAway = 0.05;       // share of normals facing away from the camera that causes a warning
+constexpr double kWrongAway = 0.5;          // share that proves a wrong frame
 constexpr float kNetworkConfidence = 0.7f;  // factor on the confidence of a network
-constexpr float kGlassConfidence = 0.5f;    // factor on that on glass
+constexpr float kGlassConfidence = 0.5f;    // additional factor on glass
 
 class NormalsRun {
  public:
@@ -100,7 +100,7 @@ class NormalsRun {
       const Intrinsics& k = capture_.set.views[v].intrinsics;
       const auto [w, h] = network.input_size(k.width, k.height);
       NormalMap map = network.predict(capture_.photo(v, w, h));
-      // Predictors see glass less well than what is painted.
+      // Predictors are less accurate on glass than on painted surfaces.
       const View& view = capture_.set.views[v];
       const ImageF glass = capture_.objects.coverage(view, view.intrinsics.scaled_to(map.normal.width(), map.normal.height()),
                                                      [](const Object& o) { return is_glass(o.role); });
@@ -112,7 +112,7 @@ class NormalsRun {
     given_maps(all_views(), map_of, space, kNetworkConfidence, what);
   }
 
-  // The declared frame, or what the sign test finds on a few photos.
+  // The declared frame, or the one detected on a few photos.
   NormalSpace chosen_space(const std::string& declared, const std::vector<uint32_t>& views,
                            const std::function<NormalMap(uint32_t)>& map_of, const std::string& what) {
     Json& j = report_["space"];
@@ -145,7 +145,7 @@ class NormalsRun {
     return candidates[0].space;
   }
 
-  // Maps from outside: turned into the camera's frame, checked, reduced, written.
+  // Processes external maps: conversion to the camera frame, check, resize, output.
   void given_maps(const std::vector<uint32_t>& views, const std::function<NormalMap(uint32_t)>& map_of, const NormalSpace& space,
                   float confidence, const std::string& what) {
     Facing facing;

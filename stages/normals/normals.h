@@ -1,5 +1,5 @@
-// Stage `normals`: the surface normal of every photo's pixels, with a confidence, as a hint for training (README.md).
-//   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps or a network of the user's
+// Stage `normals`: surface normals of every photo's pixels, with a confidence, as a target for training (README.md).
+//   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps or a network of the user
 //   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
 #pragma once
 

@@ -11,11 +11,11 @@ namespace {
 struct Window {
   int radius, stride;
 };
-constexpr Window kWindows[] = {{4, 1}, {8, 2}, {14, 3}};  // the next one where the last had too few depths
-constexpr double kFewest = 8;                             // sum of weights that makes a fit
+constexpr Window kWindows[] = {{4, 1}, {8, 2}, {14, 3}};  // the next one if the previous had too few depths
+constexpr double kFewest = 8;                             // minimum sum of weights for a fit
 constexpr float kLumaReach = 0.08f;
-constexpr double kReach[] = {0.15, 0.05, 0.02, 0.01};  // relative inverse depth: what counts as the same surface, round by round
-constexpr double kDepthNoise = 0.004;                  // relative; neighbouring errors go together
+constexpr double kReach[] = {0.15, 0.05, 0.02, 0.01};  // relative inverse depth: tolerance for the same surface, per round
+constexpr double kDepthNoise = 0.004;                  // relative; errors of neighbours are correlated
 constexpr double kSureTilt = 0.15;                     // radians of uncertainty that halve the confidence
 
 struct Fit {
@@ -23,7 +23,7 @@ struct Fit {
   double tilt;     // standard deviation of the normal, radians
 };
 
-// Symmetric 3x3 system by Cramer's rule; nullopt when it is singular.
+// Inverse of a symmetric 3x3 matrix by Cramer's rule; nullopt when it is singular.
 std::optional<Mat3d> inverted(const Mat3d& m) {
   const Vec3d r0 = cross(m.c1, m.c2), r1 = cross(m.c2, m.c0), r2 = cross(m.c0, m.c1);
   const double det = dot(m.c0, r0);
@@ -35,7 +35,7 @@ class Fitter {
  public:
   Fitter(const DepthSamples& depth, const ImageF& luma, const Intrinsics& k) : depth_(depth), luma_(luma), k_(k) {}
 
-  // `trust_own`: the pixel's own depth says which surface is meant, until there is a fit.
+  // `trust_own`: the pixel's own depth selects the surface until there is a fit.
   std::optional<Fit> at(int x, int y, const Window& window, bool trust_own) const {
     const size_t centre = index(x, y);
     std::optional<Fit> fit;

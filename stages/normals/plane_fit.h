@@ -1,6 +1,6 @@
-// Normals from a depth map that is right in places: around every pixel a plane is fitted to the depths that can be trusted.
-// Seen through a pinhole a plane's inverse depth is linear in the pixel: 1/z = a x + b y + c, and its normal is
-// (fx a, fy b, c + a cx + b cy) up to length and sign, so that the fit is a weighted line fit in the picture.
+// Normals from an incomplete depth map: fits a plane to the reliable depths around every pixel. In a pinhole camera the inverse
+// depth of a plane is linear in the pixel, 1/z = a x + b y + c, and its normal is (fx a, fy b, c + a cx + b cy) up to length and
+// sign, so the fit is weighted linear least squares.
 #pragma once
 
 #include <vector>
@@ -14,11 +14,11 @@ namespace vitrine {
 struct DepthSamples {
   int width = 0, height = 0;
   std::vector<float> inverse_z;  // [h*w]
-  std::vector<float> weight;     // [h*w]; 0 = nothing known there
+  std::vector<float> weight;     // [h*w]; 0 = unknown
 };
 
-// `luma` [h,w,1] guides: a depth counts less across an edge of the photo. Confidence falls with the spread of the normal that
-// the noise of the depths allows, so that it is low where few depths lie, or all to one side.
+// `luma` [h,w,1] guides the fit: depths across an edge of the photo have a lower weight. The confidence falls with the standard
+// deviation of the normal under depth noise: it is low where depths are few or one-sided.
 NormalMap fitted_normals(const DepthSamples& depth, const ImageF& luma, const Intrinsics& k);
 
 }  // namespace vitrine

@@ -11,9 +11,9 @@ namespace vitrine {
 namespace {
 
 constexpr double kWorstAngle = 40;  // degrees
-constexpr double kClearLead = 6;    // degrees to the second best
-constexpr double kMostFace = 0.9;   // a right space lets nearly all normals look at the camera
-constexpr float kSure = 0.4f;       // confidence of a geometric normal that may judge
+constexpr double kClearLead = 6;    // degrees to the second best frame
+constexpr double kMostFace = 0.9;   // in the right frame nearly all normals face the camera
+constexpr float kSure = 0.4f;       // minimum confidence of a geometric normal used for comparison
 constexpr size_t kFewestPixels = 300;
 
 struct Named {

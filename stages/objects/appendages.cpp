@@ -14,15 +14,15 @@ namespace vitrine {
 namespace {
 
 constexpr int kFineCells = 160;          // along the longest side of an object
-constexpr int kNearSurface = 2;          // cells of the coarse hull: the fine surface lies within
+constexpr int kNearSurface = 2;          // cells of the coarse hull: distance to its surface that contains the fine surface
 constexpr size_t kMostFaces = 8000;      // of appendages
-constexpr double kSunk = 1, kBulge = 2;  // fine cells above the solid: what is lower is inside; a hull bulges so far
-constexpr double kLikeTheSolid = 0.8;    // cosine of normals of a bulge
-constexpr double kFarOut_rel = 0.3;      // of the largest radius: how far an appendage reaches, at least
-constexpr double kRootWay = 1.25;        // times as far as straight from there to the solid: on the way
+constexpr double kSunk = 1, kBulge = 2;  // fine cells above the solid: a lower point is inside the solid; bulge of a hull
+constexpr double kLikeTheSolid = 0.8;    // cosine of the angle between the normals of a bulge and of the solid
+constexpr double kFarOut_rel = 0.3;      // of the largest radius: minimum reach of an appendage
+constexpr double kRootWay = 1.25;        // path to the solid at most this factor longer than the straight one: a connection
 constexpr double kThinning = 2;          // fine cells
 
-// What the hull says about places: 1 inside, 0 outside, -1 near its surface.
+// Classifies points by the coarse hull: 1 inside, 0 outside, -1 near its surface.
 class CoarseHull {
  public:
   explicit CoarseHull(const VoxelGrid<uint8_t>& carved) : grid_{carved.origin, carved.cell, carved.size, {}} {
@@ -42,8 +42,8 @@ class CoarseHull {
   VoxelGrid<int8_t> grid_;
 };
 
-// Which places are of appendages, up to their roots. Masks that were propagated from few marks are too wide beside an appendage:
-// of theirs only places far out count, and those on the way from there to the solid.
+// Test for points of appendages, up to their roots. Masks propagated from few marks are too wide next to an appendage: then only
+// points far from the solid count, and those that connect them to it.
 class AppendageTest {
  public:
   // `mesh`: with normals.
@@ -52,7 +52,7 @@ class AppendageTest {
     if (!propagated) return;
     std::vector<Above> above(mesh.positions.size());
     parallel_for(above.size(), 256, [&](size_t v) { above[v] = nearest(cast<double>(mesh.positions[v])); });
-    std::set<std::array<int, 3>> taken;  // cubes of kThinning cells: one of each is enough
+    std::set<std::array<int, 3>> taken;  // cubes of kThinning cells: one point each is enough
     for (size_t v = 0; v < above.size(); ++v) {
       const Vec3d p = cast<double>(mesh.positions[v]), q = p / (kThinning * cell);
       if (above[v].far && taken.insert({int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}).second)
@@ -75,7 +75,7 @@ class AppendageTest {
   struct Above {
     double height = 1e300, radius = 0;
     ShapePoint on;
-    bool far = true;  // of all solids
+    bool far = true;  // from all solids
   };
   struct Far {
     Vec3d place;
@@ -106,7 +106,7 @@ class AppendageTest {
   std::vector<Far> far_;
 };
 
-// Pieces that reach far out. A hull bulges under a foot and above a lid, where no silhouette limits it.
+// Components that reach far from the solid. Under a foot and above a lid no silhouette limits the hull, so it bulges there.
 TriMesh far_out(const TriMesh& mesh, const AppendageTest& is_appendage) {
   const FaceComponents pieces = face_components(mesh);
   std::vector<uint8_t> far(pieces.faces.size(), 0), keep(mesh.faces.size());

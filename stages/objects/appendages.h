@@ -1,4 +1,4 @@
-// Appendages of surfaces of revolution: handles and knobs, which a fine visual hull has and the surface has not.
+// Appendages of surfaces of revolution, as meshes: handles and knobs, which the visual hull contains and the surface does not.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace vitrine {
 
-// The parts of the object's hull that reach at least 0.3 of a solid's largest radius out of all solids, with their roots, as far
-// as photos look at them; at most 8000 faces, normals per vertex. `propagated`: the masks are not drawn to a pixel, but
-// propagated from marks of few photos.
+// Parts of the object's visual hull that reach at least 0.3 of a solid's largest radius outside all solids, with their roots,
+// where photos see them; at most 8000 faces, normals per vertex. `propagated`: the masks are not pixel-accurate, but propagated
+// from marks in a few photos.
 TriMesh appendages(const MaskedObject& object, std::span<const SurfaceOfRevolution> solids, const CarvingRule& rule,
                    bool propagated);
 

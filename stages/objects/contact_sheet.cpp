@@ -20,12 +20,12 @@ namespace {
 
 constexpr int kCellWidth = 480;  // pixels
 constexpr size_t kPhotos = 8;
-constexpr double kFewestNamed = 200;  // pixels of an object that is named
+constexpr double kFewestNamed = 200;  // minimum pixels of an object with a name label
 constexpr std::array<std::array<uint8_t, 3>, kObjectRoles> kRoleColors{
     {{160, 160, 160}, {0, 178, 255}, {0, 110, 255}, {255, 115, 0}, {90, 220, 60}}};  // [ObjectRole]
-constexpr float kTint = 0.35f, kPaleTint = 0.15f;                                    // of the colour of a role over its pixels
+constexpr float kTint = 0.35f, kPaleTint = 0.15f;                                    // opacity of the role colour
 
-// A pixel whose neighbour to the right or below belongs to another entry.
+// Silhouette pixels: the right or lower neighbour belongs to another entry.
 void draw_silhouettes(const ObjectSet& set, const View& view, Image8& picture) {
   const ShapeSet& shapes = set.shapes;
   const Intrinsics& k = view.intrinsics;
@@ -55,7 +55,7 @@ void draw_silhouettes(const ObjectSet& set, const View& view, Image8& picture) {
     }
 }
 
-// Tints the pixels of each object, and writes its name in their middle.
+// Tints the pixels of each object and writes its name at their centroid.
 void draw_labels(const ObjectSet& set, const Image16& labels, Image8& picture) {
   struct Middle {
     double x = 0, y = 0, count = 0;

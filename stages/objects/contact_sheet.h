@@ -1,4 +1,4 @@
-// The objects for a person to judge: some photos with their labels, names, and the silhouettes of their shapes.
+// Contact sheet of the objects for visual inspection: some photos with labels, names, and silhouettes of the shapes.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace vitrine {
 
-// Glass blue, mirrors orange, coats green; guessed objects are drawn paler.
+// Glass is blue, mirrors orange, coats green; guessed objects are paler.
 void write_contact_sheet(const std::filesystem::path& file, const std::filesystem::path& sfm, const ViewSet& views,
                          const LabelledObjects& objects);
 

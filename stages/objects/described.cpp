@@ -6,7 +6,7 @@ namespace vitrine {
 
 StageCost objects_cost(const CostTerms& t) {
   const double masks = t.photos() * t.mpx(t.limited("objects.max_side", ingested_side(t)));
-  const double reading = 0.08 * ingested_mpx(t);  // photos, for coats
+  const double reading = 0.08 * ingested_mpx(t);  // photos, for the coat test
   return stage_cost(0.05 * t.photos() + 1.5 * masks + reading, 0.8, 80 + 16 * masks, 5);
 }
 

@@ -15,18 +15,18 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kOnBox_rel = 0.05;          // of the longest side: surfels that show a face lie this near to it
-constexpr double kOnSolid_rel = 0.06;        // of the largest radius: surfels that show it lie this near, appendages do not
+constexpr double kOnBox_rel = 0.05;          // of the longest side: distance within which surfels belong to a face
+constexpr double kOnSolid_rel = 0.06;        // of the largest radius: surfels within belong to the solid (appendages are farther)
 constexpr double kOnAppendage_voxels = 1.5;  // of the hull
 constexpr size_t kProfileSegments = 96;
 constexpr size_t kMostHullFaces = 8000;
 constexpr int kLookedAt = 240;  // pixels, longest side
-// Of a free form:
+// Free-form mesh:
 constexpr size_t kFreeFormFaces = 6000;
-constexpr double kOnFreeForm_rel = 0.02;  // of the mesh's size: surfels that show it lie so near
-constexpr double kLeastInside = 0.85;     // of its pixels, that the masks mark
+constexpr double kOnFreeForm_rel = 0.02;  // of the mesh's size: distance within which surfels belong to it
+constexpr double kLeastInside = 0.85;     // minimum share of its pixels inside the masks
 
-// [face] the solid, by the mean distance of the connected piece that it belongs to.
+// [face] nearest solid, by the mean distance of the face's connected component.
 std::vector<uint32_t> nearest_solids(const TriMesh& mesh, const ShapeSet& solids) {
   const FaceComponents pieces = face_components(mesh);
   const size_t count = solids.entries.size();
@@ -68,7 +68,7 @@ void add_hull(const VisualHull& hull, ShapeRole role, ShapeSet& set) {
                          .exact = false});
 }
 
-// An object that is no simple shape: a closed mesh fitted to its silhouettes (core/observe/stereo/mesh_fit.h), from its visual hull.
+// Free-form shape: a closed mesh fitted to the silhouettes (core/observe/stereo/mesh_fit.h), initialised from the visual hull.
 std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole role) {
   TriMesh start = hull_mesh(object.hull);
   if (start.faces.empty()) return std::nullopt;

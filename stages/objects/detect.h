@@ -1,4 +1,4 @@
-// Which shape an object of glass or metal has, by its silhouettes.
+// Shape detection: fits a shape to the silhouettes of a glass or specular object.
 #pragma once
 
 #include "core/scene/shape/shape_set.h"
@@ -6,19 +6,19 @@
 
 namespace vitrine {
 
-// The shapes of an object, of role Sheet for glass, Mirror for the rest: a box; else a surface of revolution with its appendages
-// as meshes; else a mesh fitted to the silhouettes, where most of its pixels lie inside the masks; else the visual hull, as a
-// mesh that is not exact, whose tolerance is kHullTolerance_voxels. None where the hull has no faces. `propagated`: the masks are
-// not drawn to a pixel.
+// Shapes of an object, with role Sheet for glass, Mirror otherwise. Tried in order: a box; a surface of revolution with its
+// appendages as meshes; a mesh fitted to the silhouettes, if most of its pixels lie inside the masks; the visual hull, as an
+// inexact mesh with tolerance kHullTolerance_voxels. Empty if the hull has no faces. `propagated`: the masks are not
+// pixel-accurate.
 ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bool propagated);
-inline constexpr double kHullTolerance_voxels = 3;  // a hull stands out of its object by so much
+inline constexpr double kHullTolerance_voxels = 3;  // a hull exceeds its object by up to this distance
 
-// How shapes and masks agree, over all photos.
+// Overlap of shapes and masks, over all photos.
 struct MaskAgreement {
-  double inside = 0;   // share of the pixels of the shapes' silhouettes that the masks mark
-  double covered = 0;  // share of the marked pixels that the shapes' silhouettes cover
+  double inside = 0;   // share of the silhouette pixels that the masks mark
+  double covered = 0;  // share of the marked pixels inside the silhouettes
 };
-// Of all the shapes; pixels whose mask is unknown do not count. Silhouettes are looked at with 240 pixels at most.
+// For all the shapes together; pixels with unknown mask do not count. Evaluated at no more than 240 pixels.
 MaskAgreement mask_agreement(const ShapeSet& shapes, const std::vector<Silhouette>& silhouettes);
 
 }  // namespace vitrine

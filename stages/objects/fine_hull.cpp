@@ -13,9 +13,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSoftPadding = 4;     // cells around the bounds, so that the surface closes
-constexpr int kSoftening = 4;       // passes of 1 2 1 over the field: silhouettes of some dozen photos are facets
-constexpr int kFineSmoothing = 10;  // Taubin's passes over the mesh: what is left of the cells' steps
+constexpr int kSoftPadding = 4;  // cells around the bounds, so that the surface is closed
+constexpr int kSoftening = 4;    // passes of a 1 2 1 filter over the field: silhouettes of some dozen photos give a faceted hull
+constexpr int kFineSmoothing = 10;  // passes of Taubin smoothing over the mesh: removes the steps of the cells
 
 void soften(VoxelGrid<float>& grid) {
   std::vector<float> before;
@@ -56,7 +56,7 @@ TriMesh surface_of(const VoxelGrid<float>& grid) {
   return mesh;
 }
 
-// `occupancy`: of a place, 0 to 1.
+// `occupancy`: of a point, 0 to 1.
 TriMesh soft_surface(const Bounds3& bounds, double cell, const std::function<float(const Vec3d&)>& occupancy) {
   VoxelGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
   for (size_t c = 0; c < 3; ++c) grid.size[c] = int(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;

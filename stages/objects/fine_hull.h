@@ -1,6 +1,6 @@
-// The visual hull of a part of an object to a fraction of a pixel. The grid of a whole hull is as coarse as the largest object in
-// it, and a thin part is six of its cells wide, with normals to match; here a grid of its own, a field that is as soft as the
-// masks' edges, and its level set.
+// Visual hull of a part of an object at subpixel precision. The grid of the whole hull is as coarse as the largest object
+// requires: a thin part is six cells wide, with coarse normals. Here the part has a grid of its own, an occupancy field as soft
+// as the edges of the masks, and its level set.
 #pragma once
 
 #include <functional>
@@ -12,11 +12,10 @@
 
 namespace vitrine {
 
-// Smoothed, with normals. `known`: what the whole hull says about a place that is not near its surface: 1 inside, 0 outside; -1
-// near.
+// Smoothed, with normals. `known`: result of the whole hull away from its surface: 1 inside, 0 outside; -1 near the surface.
 TriMesh fine_hull(const Carving& carving, const Bounds3& bounds, double cell, const std::function<int(const Vec3d&)>& known);
 
-// The carved cells of a hull as a mesh, likewise smoothed; empty if the hull is.
+// Mesh of the carved cells of a hull, smoothed in the same way; empty for an empty hull.
 TriMesh hull_mesh(const VisualHull& hull);
 
 }  // namespace vitrine

@@ -10,11 +10,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kOwnerSide = 240;  // pixels, longest side, of the map of owners
-constexpr int kRimReach = 3;     // of its pixels: masks are wider than the silhouettes of shapes by so much
+constexpr int kOwnerSide = 240;  // pixels, longest side, of the owner map
+constexpr int kRimReach = 3;     // of its pixels: masks exceed the silhouettes of shapes by up to this distance
 constexpr float kMarked = 0.5f;
 
-// Which of the shapes of a class the rays of a photo meet first.
+// Owner map: the first shape of a class on each ray of a photo.
 class Owners {
  public:
   Owners(const View& photo, const ObjectSet& set, bool glass, const std::vector<uint8_t>& marked)
@@ -28,7 +28,7 @@ class Owners {
         if (any_marked(marked, x, y)) owner_[at(x, y)] = first_along(small_.ray(x + 0.5, y + 0.5));
   }
 
-  // Of a pixel at full size; 0: none.
+  // Object at a full-size pixel; 0: none.
   uint16_t of(int x, int y) const {
     if (shapes_.empty()) return 0;
     const Intrinsics& k = photo_.intrinsics;
@@ -86,7 +86,7 @@ class Owners {
 Image16 labelled_pixels(const std::filesystem::path& masks, const View& photo, const ObjectSet& set,
                         const UnlocatedObjects& unlocated) {
   Image16 out;
-  // Glass last: it stands in front.
+  // Glass last: it is in front.
   for (const bool glass : {false, true}) {
     const auto mask = read_view_mask(masks, glass ? MaskClass::Transparent : MaskClass::Specular, photo);
     if (!mask) continue;

@@ -11,12 +11,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kSmallestPiece = 50;  // one part in, of the largest one
-// Around the footprint of a hull: so far its object may reach beyond what is left of it; of the root of its area, and pixels.
+constexpr size_t kSmallestPiece = 50;  // minimum size of a component: 1/50 of the largest
+// Tolerance around the footprint of a hull, which may be smaller than its object: relative to the root of its area, and in
+// pixels.
 constexpr double kReach_rel = 0.25;
 constexpr int kLeastReach = 3;
 
-// [h,w] 1 where the view shows one of the cells.
+// [h,w] 1 where a cell projects to.
 std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector<size_t>& cells, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::vector<uint8_t> out(k.pixel_count(), 0);
@@ -24,7 +25,7 @@ std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector
     const auto [x, y, z] = grid.cell_at(cell);
     const auto p = projection(grid.centre(x, y, z), view, grid.cell);
     if (!p) continue;
-    const double reach = 0.5 * std::sqrt(3.0) * grid.cell * k.fx / p->z;  // of the ball around the cell
+    const double reach = 0.5 * std::sqrt(3.0) * grid.cell * k.fx / p->z;  // radius of the cell's bounding sphere, pixels
     const int left = std::max(0, int(p->x - reach)), right = std::min(k.width - 1, int(p->x + reach));
     const int top = std::max(0, int(p->y - reach)), bottom = std::min(k.height - 1, int(p->y + reach));
     for (int v = top; v <= bottom; ++v)
@@ -33,7 +34,7 @@ std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector
   return out;
 }
 
-// [h,w] 1 where a pixel that is set lies within `reach` pixels along x and along y.
+// [h,w] dilation by a square of 2 `reach` + 1 pixels.
 std::vector<uint8_t> dilated(const std::vector<uint8_t>& set, int width, int height, int reach) {
   const auto pass = [reach](const std::vector<uint8_t>& from, int lines, int length, size_t line_step, size_t step) {
     std::vector<uint8_t> out(from.size(), 0);
@@ -56,8 +57,8 @@ std::vector<uint8_t> dilated(const std::vector<uint8_t>& set, int width, int hei
   return pass(pass(set, height, width, w, 1), width, height, 1, w);
 }
 
-// Silhouettes of one piece: pixels that others account for alone are unknown, and so are marked ones far from it. What they show
-// is another object, perhaps one whose hull has been cut by something in front of it, or that has none.
+// Silhouettes of one component. Pixels explained only by others become unknown, and so do marked pixels far from it: they show
+// another object, perhaps one whose hull an occluder has cut, or one without a hull.
 std::vector<Silhouette> without_others(const std::vector<Silhouette>& all, const VoxelGrid<uint8_t>& grid,
                                        const std::vector<std::vector<size_t>>& pieces, size_t own) {
   std::vector<size_t> others;

@@ -1,4 +1,4 @@
-// Objects of glass and of polished metal: the masks of a class, divided into those of connected pieces of their visual hull.
+// Separation of glass and specular objects: splits the masks of a class by the connected components of their visual hull.
 #pragma once
 
 #include <vector>
@@ -14,8 +14,8 @@ struct MaskedObject {
   VisualHull hull;                      // not empty
 };
 
-// `silhouettes`: of all objects of the class. None when no closed region agrees with them, those of a window for example. Pieces
-// smaller than a fiftieth of the largest one are no objects: cones of few photos also meet where nothing is.
+// `silhouettes`: of all objects of the class. Empty if no closed region is consistent with them, e.g. for a window. Components
+// smaller than a fiftieth of the largest are dropped: the cones of a few photos also intersect in empty space.
 std::vector<MaskedObject> masked_objects(MaskClass kind, const std::vector<Silhouette>& silhouettes, const HullDesc& desc);
 
 }  // namespace vitrine

@@ -29,15 +29,15 @@ namespace vitrine {
 namespace {
 
 constexpr std::array<MaskClass, 2> kClasses{MaskClass::Transparent, MaskClass::Specular};
-constexpr double kDoubtful = 0.5;         // of a given object's pixels: fewer in the masks, and the photos doubt it
-constexpr double kFacetEdge_rel = 0.02;   // of a shape's size: edges of shapes.ply
-constexpr double kExactInside = 0.92;     // of the pixels of a free form, inside the masks, for its normals to count on a coat
-constexpr double kLeastUnlocated = 0.02;  // of the pixels of a class: fewer are crumbs of masks
-constexpr double kExplainedHull = 0.5;    // of the pixels of an object without a fitted shape: more in planes, and it is these
+constexpr double kDoubtful = 0.5;         // of a given object's pixels: below this share in the masks a warning is issued
+constexpr double kFacetEdge_rel = 0.02;   // of a shape's size: edge length in shapes.ply
+constexpr double kExactInside = 0.92;     // of a free form's pixels: minimum inside the masks to use its normals on a coat
+constexpr double kLeastUnlocated = 0.02;  // of the pixels of a class: below, the unlocated pixels are mask specks
+constexpr double kExplainedHull = 0.5;    // of an unfitted object's pixels: above this share in planes, these replace it
 
 MaskClass class_of(ObjectRole role) { return is_glass(role) ? MaskClass::Transparent : MaskClass::Specular; }
 
-// An object before it has a number: its shapes, and its own silhouettes where it has been carved.
+// An object without an id: its shapes, and its own silhouettes where it was carved.
 struct Found {
   ShapeSet shapes;
   std::optional<MaskedObject> carved = {};
@@ -84,7 +84,7 @@ class ObjectsRun {
         if (auto s = mask_silhouette(*masks_, kind, view, view.intrinsics.limited_to(config_.max_side)))
           silhouettes.push_back(std::move(*s));
       }
-      // Where glass is all that reflects, the rest has no hull.
+      // If all specular pixels are glass, the remaining pixels have no hull.
       if (std::ranges::none_of(silhouettes, marks_something)) silhouettes.clear();
     }
     context_.progress({.fraction = 0.2, .text = "masks read", .values = {}});
@@ -107,12 +107,12 @@ class ObjectsRun {
     const HullDesc hull{.resolution = config_.hull_voxels};
     const auto& silhouettes = silhouettes_[size_t(kind)];
     std::vector<Found> out;
-    ShapeSet fitted;  // of all
+    ShapeSet fitted;  // all fitted shapes
     const auto add_planes = [&](const ShapeSet& planes) {
       for (const ShapeSet::Entry& plane : planes.entries) out.push_back({.shapes = {{plane}}});
       fitted.append(planes);
     };
-    // Those on walls first: where one is marked, masks say nothing about the objects in front of it.
+    // Planes on walls first: inside their masks, objects in front of them cannot be segmented.
     add_planes(open_planes(kind, silhouettes, views_.points, true));
     const auto before = fitted.entries.empty() ? silhouettes : unexplained(silhouettes, fitted);
     for (MaskedObject& object : masked_objects(kind, before, hull)) {
@@ -191,7 +191,7 @@ class ObjectsRun {
     }
   }
 
-  // Writes the label images; marked pixels without a shape become an object of their own for each class.
+  // Writes the label images; marked pixels without a shape become one extra object per class.
   void label() {
     if (!masks_) return;
     const auto [first, second] = unused_ids();
@@ -217,7 +217,7 @@ class ObjectsRun {
     for (const auto& [id, role] : {std::pair{unlocated.glass, ObjectRole::ThinGlass}, {unlocated.specular, ObjectRole::Coat}}) {
       double of_class = double(all.pixels[id]);
       for (const Object& o : set_.objects) of_class += is_glass(o.role) == is_glass(role) ? double(all.pixels[o.id]) : 0;
-      if (!(double(all.pixels[id]) > kLeastUnlocated * of_class)) continue;  // ids that the table lacks read as 0
+      if (!(double(all.pixels[id]) > kLeastUnlocated * of_class)) continue;  // ids missing in the table count 0 pixels
       set_.objects.push_back({.id = id, .name = unused_name(role), .role = role, .trust = trust_of(class_of(role))});
       if (set_.objects.back().trust != ObjectTrust::Guessed)
         context_.warning(
@@ -234,7 +234,7 @@ class ObjectsRun {
 
   struct PhotoCounts {
     std::map<uint16_t, size_t> pixels, views;                // [id]
-    std::map<std::pair<uint16_t, uint16_t>, size_t> things;  // [id, 1 + marked thing] pixels
+    std::map<std::pair<uint16_t, uint16_t>, size_t> things;  // [id, 1 + marked object] pixels
   };
   static PhotoCounts counted(const Image16& labels, const fs::path& marked, const std::vector<std::string>& things) {
     PhotoCounts out;
@@ -252,7 +252,7 @@ class ObjectsRun {
     return out;
   }
 
-  // An object is called as the thing that most of its pixels were marked as.
+  // An object takes the name of the marked object that most of its pixels belong to.
   void take_names(const PhotoCounts& counts, const std::vector<std::string>& things) {
     for (Object& object : set_.objects) {
       size_t most = 0, of = 0;
@@ -285,7 +285,7 @@ class ObjectsRun {
     return {out[0], out[1]};
   }
 
-  // How shapes and masks agree.
+  // Overlap of shapes and masks.
   void measure() {
     for (Object& object : set_.objects) {
       const auto& silhouettes = silhouettes_[size_t(class_of(object.role))];
@@ -295,7 +295,7 @@ class ObjectsRun {
       throw_if_interrupted();
       const MaskAgreement agreement = mask_agreement(set_.shapes.kept(own), silhouettes);
       object.evidence.inside = agreement.inside, object.evidence.covered = agreement.covered;
-      // A mesh that something hides much of has normals no better than a hull's; paint does without.
+      // The normals of a mesh with large occlusions are no better than those of a hull; coats do not use them.
       if (!given_ && object.role == ObjectRole::Coat && agreement.inside < kExactInside)
         for (ShapeSet::Entry& e : set_.shapes.entries)
           if (e.object == object.id && std::holds_alternative<TriangleShape>(e.shape)) e.exact = false;

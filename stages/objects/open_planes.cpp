@@ -11,15 +11,15 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kOnPlane_rel = 0.02;      // of the longer side: surfels that show a plane lie this near to it
-constexpr double kBehindMirror = 0.3;      // weight of points inside a mirror's mask: many are of virtual images
-constexpr double kAboutShape_rel = 0.012;  // of the picture's longest side: pixels about a shape are explained as well
+constexpr double kOnPlane_rel = 0.02;      // of the longer side: distance within which surfels belong to a plane
+constexpr double kBehindMirror = 0.3;      // weight of points inside a mirror's mask: many are virtual images
+constexpr double kAboutShape_rel = 0.012;  // of the picture's longest side: margin around a shape that is also explained
 
-// Makes the pixels that show the shape, and those about them, unknown.
+// Sets the pixels of the shape, and a margin around them, to unknown.
 void explain(const Shape& shape, Silhouette& silhouette) {
   const Intrinsics& k = silhouette.view.intrinsics;
   const int reach = int(std::ceil(kAboutShape_rel * k.longest_side()));
-  Bounds3 about;  // of the shape in the picture; z-depth
+  Bounds3 about;  // bounds of the shape in the picture; z is depth
   for (const Vec3d& p : outer_points(shape)) {
     const Vec3d in_camera = silhouette.view.cam_from_world * p;
     const ImagePoint at = in_camera.z > 0 ? projected(in_camera, k) : ImagePoint{};

@@ -1,4 +1,4 @@
-// Rectangles that the masks of a class show: windows, pictures under glass, mirrors on walls.
+// Detection of rectangles in the masks of a class: windows, pictures under glass, mirrors on walls.
 #pragma once
 
 #include <span>
@@ -11,10 +11,10 @@
 
 namespace vitrine {
 
-// Of role Sheet for glass, Mirror for the rest. `one_sided`: only those that no photo sees from behind.
+// Role Sheet for glass, Mirror otherwise. `one_sided`: only rectangles that no photo sees from behind.
 ShapeSet open_planes(MaskClass kind, std::span<const Silhouette> silhouettes, std::span<const ScenePoint> points, bool one_sided);
 
-// Silhouettes in which the pixels that the shapes explain are unknown.
+// The silhouettes, with the pixels of the shapes set to unknown.
 std::vector<Silhouette> unexplained(std::span<const Silhouette> silhouettes, const ShapeSet& found);
 
 }  // namespace vitrine

@@ -15,11 +15,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kPhotoSide = 240;            // pixels: texture that is off by less than one does not count as a change
-constexpr double kSamples_rel = 1 / 24.0;  // of a shape's size: distance of the places that are looked at
+constexpr int kPhotoSide = 240;            // pixels: at this size a misalignment below one pixel hardly changes the luminance
+constexpr double kSamples_rel = 1 / 24.0;  // of a shape's size: spacing of the surface samples
 constexpr float kWholePixel = 0.99f;       // of a pixel's area inside the mask
 
-// The photo's pixels that the silhouette marks as a whole.
+// Pixels of the photo that lie completely inside the silhouette.
 std::vector<uint8_t> marked_pixels(const Silhouette& silhouette, const Intrinsics& size) {
   ImageF marks = silhouette.value;
   for (float& value : marks.data()) value = value >= 0.5f ? 1.f : 0.f;
@@ -71,7 +71,7 @@ std::optional<double> RoleTest::view_dependence(const MaskedObject& object) cons
                                      const Silhouette& own = object.silhouettes[photo];
                                      const auto at = image_point(p, own.view);
                                      if (!at || own.value.at(int(at->x), int(at->y)) < 0.5f)
-                                       return true;  // another object may show
+                                       return true;  // another object may be visible
                                      const auto hit = object.hull.first_hit(eye, way);
                                      return hit && hit->t < 1 - slack / length(way);
                                    }});

@@ -1,5 +1,5 @@
-// The one place that decides the role of an object: glass by its class of masks; of what the specular masks mark, paint under a
-// clear coat looks alike from everywhere, and what a mirror shows changes with the view (core/observe/stereo/view_dependence).
+// Role of an object. The transparent masks give glass. For the specular masks, view dependence decides
+// (core/observe/stereo/view_dependence): paint under a clear coat has the same colour from all sides, a mirror does not.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,13 @@ namespace vitrine {
 
 class RoleTest {
  public:
-  // `silhouettes`: of the specular masks. Reads their photos once, reduced.
+  // `silhouettes`: of the specular masks. Reads their photos once, at reduced size.
   RoleTest(const std::filesystem::path& sfm, std::span<const Silhouette> silhouettes);
 
-  // Of the surface of an object's shapes; opaque shapes of `all` in front of it hide it. nullopt: too few photos see it.
+  // View dependence of the surface of an object's shapes; opaque shapes of `all` in front of it occlude it. nullopt: too few
+  // photos see it.
   std::optional<double> view_dependence(const ShapeSet& all, uint16_t object) const;
-  // Of an object whose shape is a visual hull.
+  // Same for an object whose shape is a visual hull.
   std::optional<double> view_dependence(const MaskedObject& object) const;
 
  private:
@@ -28,8 +29,8 @@ class RoleTest {
   double spread_ = 0;
 };
 
-// `exact`: its shape is known better than a visual hull; then what too few photos see is a mirror, else a coat, which keeps its
-// surfels. `coat_below`: view dependence of a mirror, at least.
+// `exact`: the shape is more precise than a visual hull. An object seen by too few photos is then a mirror, else a coat, which
+// keeps its surfels. `coat_below`: minimum view dependence of a mirror.
 ObjectRole object_role_of(MaskClass kind, const std::optional<double>& view_dependence, bool exact, double coat_below);
 
 }  // namespace vitrine

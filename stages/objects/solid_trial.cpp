@@ -24,14 +24,14 @@ namespace {
 constexpr int kTrialSide = 240;  // pixels, longest side
 constexpr size_t kMostPhotos = 60;
 constexpr size_t kMostTried = 12;                                // photos
-constexpr size_t kFewestInside = 150;                            // pixels of a photo
-constexpr size_t kFewestPredicted = 600;                         // of all photos
-constexpr std::array<double, 3> kJitter{1 / 6.0, 0.5, 5 / 6.0};  // rays of a pixel, each way
-constexpr double kFacing = 0.5;                                  // cosine: rims mirror, and show the room too small
-constexpr float kLamp = 0.8f;                     // sRGB of all channels: a lamp in the glass, which no plane shows
+constexpr size_t kFewestInside = 150;                            // minimum pixels per photo
+constexpr size_t kFewestPredicted = 600;                         // minimum over all photos
+constexpr std::array<double, 3> kJitter{1 / 6.0, 0.5, 5 / 6.0};  // subpixel positions of the rays, per axis
+constexpr double kFacing = 0.5;                   // minimum cosine: at grazing angles glass reflects and shows the room too small
+constexpr float kLamp = 0.8f;                     // sRGB in all channels: a reflected lamp, which no plane predicts
 constexpr double kOtherSurface = 0.04;            // relative depth
-constexpr size_t kFewestSeen = 2, kMostSeen = 9;  // photos that colour a place
-constexpr double kLargePlane = 0.03;              // of all surfaces: a facet of something small goes on nowhere
+constexpr size_t kFewestSeen = 2, kMostSeen = 9;  // photos that colour a point
+constexpr double kLargePlane = 0.03;              // of all surfaces: a small facet is not extended
 constexpr double kLikeBent = 0.15, kClearly = 0.15;
 
 View small_view(const View& view) {
@@ -50,7 +50,7 @@ EdgePhoto small_photo(const std::filesystem::path& sfm, const View& view) {
   return out;
 }
 
-// Of kMostPhotos at most, spread evenly; the others have no picture.
+// Loads at most kMostPhotos, evenly spread; the others stay empty.
 std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every) {
   std::vector<EdgePhoto> photos(set.views.size());
   std::vector<size_t> trained;
@@ -68,7 +68,7 @@ std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewS
   return photos;
 }
 
-// What photos show where rays end that come out of an object.
+// Colours of the scene where rays leaving an object end.
 class Room {
  public:
   Room(const Surroundings& scene, std::span<const std::vector<uint8_t>> marked) : scene_(scene), marked_(marked) {}
@@ -76,7 +76,7 @@ class Room {
   std::optional<Vec3f> colour(const Ray& ray) const {
     const std::optional<Vec3d> place = end_of(ray);
     if (!place) return std::nullopt;
-    std::array<std::vector<float>, 3> seen;  // by photo
+    std::array<std::vector<float>, 3> seen;  // [channel] values by photo
     const size_t stride = std::max<size_t>(1, scene_.photos.size() / kMostSeen);
     for (size_t first = 0; first < stride && seen[0].size() < kFewestSeen; ++first)
       for (size_t v = first; v < scene_.photos.size(); v += stride) {
@@ -110,7 +110,7 @@ class Room {
   std::span<const std::vector<uint8_t>> marked_;
 };
 
-// The last leg of the way of a ray of a pixel through the shape.
+// Last segment of a pixel's ray path through the shape.
 std::optional<Ray> straight_way(const Shape& shape, const Bounds3& box, const Ray& ray) {
   const double beyond = length(box.high - box.low) + length(box.centre() - ray.origin);
   const auto back = intersect(shape, {ray.origin + beyond * ray.direction, -1.0 * ray.direction});
@@ -118,19 +118,19 @@ std::optional<Ray> straight_way(const Shape& shape, const Bounds3& box, const Ra
   return Ray{ray.origin + (beyond - back->t) * ray.direction, ray.direction};
 }
 std::optional<Ray> bent_way(const ThickGlass& glass, const Ray& ray) {
-  const BentRay way = glass.path(cast<float>(ray.origin), cast<float>(ray.direction), 0);  // at whatever distance
+  const BentRay way = glass.path(cast<float>(ray.origin), cast<float>(ray.direction), 0);  // for any distance
   if (way.path != GlassPath::Bent) return std::nullopt;
   const BentRay::Leg& last = way.legs[way.leg_count - 1];
   return Ray{cast<double>(last.origin), cast<double>(last.direction)};
 }
 
-// Local correlation of the photos with the picture that rays straight on, and bent by Snell's law, would show; 1: the same.
+// Local correlation of the photos with the images predicted by straight rays and by rays refracted by Snell's law; 1: equal.
 struct GlassTrial {
   double straight = 0, bent = 0;
   bool solid() const { return bent > kLikeBent && bent > straight + kClearly; }
 };
 
-// [view][h*w] 1 where a photo shows a shape; none of photos that are held out.
+// [view][h*w] 1 where a photo shows the shape; empty for held-out photos.
 std::vector<std::vector<uint8_t>> marked_pixels(const Shape& shape, std::span<const View> views, const SolidTrialDesc& desc) {
   std::vector<std::vector<uint8_t>> marked(views.size());
   parallel_for(views.size(), 1, [&](size_t v) {
@@ -149,7 +149,7 @@ std::vector<std::vector<uint8_t>> marked_pixels(const Shape& shape, std::span<co
   return marked;
 }
 
-// Of the photos that show most of the shape.
+// Scores over the photos that show most of the shape.
 std::optional<GlassTrial> trial(const SmallStereo& stereo, const Shape& shape, std::span<const std::vector<uint8_t>> marked) {
   const Surroundings scene = stereo.surroundings();
   const auto inside = [&](size_t v) { return scene.photos[v].srgb.empty() ? 0 : size_t(std::ranges::count(marked[v], 1)); };
@@ -206,7 +206,7 @@ std::optional<GlassTrial> trial(const SmallStereo& stereo, const Shape& shape, s
   return GlassTrial{alike[0].value().value_or(0), alike[1].value().value_or(0)};
 }
 
-// nullptr: none, or one that is flat or no better than a hull.
+// The only shape of an object; nullptr if there are several, or it is flat or inexact.
 const Shape* one_curved_shape(const ShapeSet& shapes, uint16_t object) {
   const Shape* found = nullptr;
   for (const ShapeSet::Entry& e : shapes.entries) {
@@ -220,7 +220,7 @@ const Shape* one_curved_shape(const ShapeSet& shapes, uint16_t object) {
 }  // namespace
 
 void find_solids(ObjectSet& set, const SolidTrialDesc& desc) {
-  std::optional<SmallStereo> stereo;  // once for all objects
+  std::optional<SmallStereo> stereo;  // shared by all objects
   for (Object& object : set.objects) {
     const Shape* shape = one_curved_shape(set.shapes, object.id);
     if (!is_glass(object.role) || object.trust == ObjectTrust::Guessed || shape == nullptr) continue;

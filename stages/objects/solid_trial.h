@@ -1,6 +1,7 @@
-// Thin glass or solid? A ball of glass shows the room upside down, where a bottle shows it straight on. Rays are sent through a
-// closed shape both ways, to the large planes of the scene, which other photos colour; what the photos of the object look more
-// like decides. What stands in the glass is not predicted: a paperweight with a picture in its foot stays undecided.
+// Classification of glass as thin or solid. A glass ball shows the room inverted, a bottle shows it straight. Casts rays through
+// a closed shape, straight and refracted, to the large planes of the scene, which other photos colour, and compares both
+// predictions with the photos of the object. Content inside the glass is not predicted: a paperweight with a picture in its foot
+// stays undecided.
 #pragma once
 
 #include <filesystem>
@@ -15,11 +16,11 @@ namespace vitrine {
 struct SolidTrialDesc {
   std::filesystem::path sfm;
   const ViewSet& views;
-  std::span<const Silhouette> glass;  // of the transparent masks
-  int holdout_every;                  // photos that are held out are not looked at
+  std::span<const Silhouette> glass;  // silhouettes of the transparent masks
+  int holdout_every;                  // held-out photos are not used
 };
-// Gives the role solid_glass to objects of glass whose one exact, closed, curved shape the photos show to be solid, and writes
-// what they said to their evidence. Where stereo finds too little, or too few pixels tell, nothing is said.
+// Sets the role solid_glass for glass objects with one exact, closed, curved shape that the photos show to be solid, and stores
+// both scores in their evidence. No change where stereo or the number of usable pixels is insufficient.
 void find_solids(ObjectSet& set, const SolidTrialDesc& desc);
 
 }  // namespace vitrine

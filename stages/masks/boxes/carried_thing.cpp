@@ -196,8 +196,7 @@ class Carrier {
     const std::optional<BoxFit> fit = fit_box(cones_, marked_.bounds());
     if (!fit) return;
     Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * kSmallSide));
-    if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer)
-      box = fit->box;  // the refined box follows edges of something else
+    if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // the edges are not those of the box
     for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(box, views_[v]);
     out.summary.box_agreement = fit->agreement;
   }

@@ -67,8 +67,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const
     if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
       for (size_t v = 0; v < views.size(); ++v) {
         const Bounds3& hull = carried.hull.bounds();
-        const auto middle =
-            float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // depth used where the hull has a gap
+        const auto middle = float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // for gaps of the hull
         for (size_t i = 0; i < carried.inside[v].size(); ++i) {
           if (!carried.inside[v][i]) continue;
           const float entry = carried.passed[v].entry[i], depth = entry > 0 ? entry : middle;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kCaseReach = 0.6;           // of the radius of the camera ring: no search beyond
 constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
 constexpr double kAboveCameras =
-    0.3;  // of the camera ring's radius: maximum height above the cameras, whatever the sparse points are
+    0.3;  // of the ring: cases end below this height above the cameras, whatever sparse points are above
 constexpr size_t kFewestPoints = 20;
 constexpr double kOnSurface = 0.03;        // of the depth
 constexpr double kFoot = 0.15;             // share of known points in the footprint of a box that lie below its bottom
@@ -23,7 +23,7 @@ constexpr double kBelow = 0.5;             // of the height: the bottom may lie 
 constexpr size_t kFewestCasePixels = 300;  // over all photos: minimum to judge a side or a bottom
 constexpr size_t kMostAsked = 12;          // maximum number of tested boxes
 constexpr double kLeastRim = 5.5;          // standard deviations of the edge score of the rim above that of other heights
-constexpr double kLeastSeenThrough = 0.6;  // of each side: share of pixels that show the background
+constexpr double kLeastSeenThrough = 0.6;  // minimum per side: share of known pixels whose surface lies behind the side
 
 // visit(pixel, reliable z-depth or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
@@ -65,7 +65,7 @@ double foot(const Box& box, std::span<const View> views, std::span<const DepthMa
   return order_statistic_of(std::span(heights), size_t(kFoot * double(heights.size())));
 }
 
-// Minimum over the tested sides of the share of known pixels that show the background.
+// Share of the known pixels of a side whose surface lies behind it; minimum over the sides with enough pixels.
 double seen_through(const Box& box, std::span<const View> views, std::span<const DepthMap> maps) {
   std::array<size_t, Box::kFaces> all{}, through{};
   for (size_t v = 0; v < views.size(); ++v)

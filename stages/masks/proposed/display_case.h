@@ -14,7 +14,7 @@ namespace vitrine {
 struct DisplayCase {
   Box box;                    // its bottom is at the height of the supporting surface
   double posts = 0, rim = 0;  // StandingBox
-  double seen_through = 0;    // share of see-through pixels, of the known ones; minimum over the sides
+  double seen_through = 0;    // share of the known pixels whose surface lies behind a side; minimum over the sides
 };
 
 // Search region: the volume that the cameras surround. Empty without sparse points.

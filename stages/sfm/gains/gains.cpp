@@ -228,9 +228,8 @@ class Problem {
 
   template <class Loss>
   void minimise(const Terms& terms) {
-    ceres::Problem problem;  // owns losses and costs
-    auto* ordering =
-        new ceres::ParameterBlockOrdering;  // colours are eliminated first: each depends only on gains (Schur complement)
+    ceres::Problem problem;                              // owns losses and costs
+    auto* ordering = new ceres::ParameterBlockOrdering;  // eliminates colours first (Schur complement)
     for (size_t c = 0; c < 3; ++c) {
       Channel& channel = channels_[c];
       std::vector<ceres::LossFunction*> loss(channel.weight.size(), nullptr);

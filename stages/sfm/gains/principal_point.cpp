@@ -13,8 +13,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kFewestImages = 12, kFewestObservations = 3000;
-constexpr double kBetter =
-    0.97;  // of the error before: lenses outside the model's family improve by a per cent with any free parameter
+constexpr double kBetter = 0.97;    // of the error before: any free parameter gains a per cent if the lens model is wrong
 constexpr double kFurthest = 0.04;  // of the longest side
 constexpr double kFocalChange = 0.1;
 constexpr double kRobust = 1;  // pixel
