@@ -139,7 +139,7 @@ class Reader {
   const MaskCapture& capture_;
   YamlReader in_;
   std::vector<MarkedThing> things_;
-  std::vector<std::pair<std::string, std::string>> lost_;  // thing, photo without camera
+  std::vector<std::pair<std::string, std::string>> lost_;  // object, photo without camera
 };
 
 }  // namespace
