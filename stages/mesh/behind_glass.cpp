@@ -15,13 +15,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLeastCase = 0.05;   // of the faces of glass: smaller parts are specks
-constexpr double kMarginVoxels = 2;   // around a case: what it stands on
-constexpr double kLeastPiece = 0.02;  // of the faces behind glass: smaller pieces are what panes and their edges left
+constexpr double kLeastCase = 0.05;   // of the glass faces: smaller parts are specks
+constexpr double kMarginVoxels = 2;   // margin around a case, which includes its base
+constexpr double kLeastPiece = 0.02;  // of the faces behind glass: smaller components are remains of panes and their edges
 constexpr float kSameVoxels = 2.5f;   // along the normal: the same surface
 constexpr size_t kFaceGrain = 1024;
 
-// Boxes around the larger pieces of glass, and `margin` on each side.
+// Bounding boxes of the larger glass components, with `margin` on each side.
 std::vector<Bounds3> cases(const TriMesh& glass, const Vec3d& margin) {
   const FaceComponents pieces = face_components(glass);
   std::vector<Bounds3> boxes(pieces.faces.size());
@@ -34,7 +34,7 @@ std::vector<Bounds3> cases(const TriMesh& glass, const Vec3d& margin) {
   return out;
 }
 
-// Faces in a case that `known` (what the mesh has of opaque things) does not have.
+// Faces inside the boxes that are not in `known` (opaque faces of the mesh).
 TriMesh only_new(const TriMesh& found, const std::vector<Bounds3>& boxes, const MeshHits& known, float voxel) {
   std::vector<uint8_t> keep(found.faces.size(), 0);
   parallel_chunks(keep.size(), kFaceGrain, [&](size_t, size_t first, size_t last) {
@@ -66,7 +66,7 @@ TriMesh behind_glass(const BehindGlassDesc& desc, const std::function<void(doubl
   FusionDesc fusion = desc.fusion;
   fusion.volume.bounds = bounds;
   fusion.volume.voxel = desc.voxel;
-  fusion.min_valid_fraction = 0;  // a view that shows no glass has nothing to say, and does no harm
+  fusion.min_valid_fraction = 0;  // a view without glass contributes nothing and does no harm
   FusionReport report;
   TriMesh found;
   try {

@@ -1,4 +1,3 @@
-// Cost estimate and report figures of the mesh stage.
 #include <cmath>
 
 #include "stages/mesh/mesh.h"

@@ -12,10 +12,10 @@ namespace vitrine {
 namespace {
 
 constexpr float kFusedAlpha = 0.7f;      // pixels with no more have a depth, but are not fused
-constexpr double kMeanMedianVoxels = 2;  // the mean depth counts where it is this near to the median
+constexpr double kMeanMedianVoxels = 2;  // the mean depth is used within this distance of the median
 
 constexpr double kFirstRoundShare = 0.8;
-constexpr double kGrowthSlack = 1.03;  // blocks fall a little slower than the square of the voxel: they are counted whole
+constexpr double kGrowthSlack = 1.03;  // rounds up: blocks shrink slightly slower than with the square of the voxel
 
 }  // namespace
 
@@ -67,7 +67,8 @@ TsdfVolume fuse_views(size_t view_count, const DepthSource& depth_of, const Fusi
   TsdfDesc volume_desc = desc.volume;
   double done = 0;
   for (;;) {
-    const double share = kFirstRoundShare * (0.5 - done);  // a repeated round advances within what is left of the half
+    const double share = kFirstRoundShare * (0.5 - done);  // a repeated round reports progress within the remaining part of its
+                                                           // half
 
     TsdfVolume volume(volume_desc);
     report.skipped_views.clear();

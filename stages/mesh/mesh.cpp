@@ -30,8 +30,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSolidVoxels = 0.75;  // vertices so near to a solid that training learnt lie on it
-constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror is another object
+constexpr double kSolidVoxels = 0.75;  // vertices within this distance of an optimised solid are moved onto it
+constexpr double kMirrorVoxels = 3;    // a surface farther in front of a mirror is another object
 
 Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
@@ -62,7 +62,7 @@ Json json_of(const RepairReport& r) {
           {"filled_faces", r.filled_faces}};
 }
 
-// At the size of training.
+// At the training size.
 std::vector<View> training_views(const ViewSet& set, const fs::path& optimize) {
   const fs::path list = optimize / "optimize" / "views.json";
   const ViewSplit split = read_view_split(list, set.views);
@@ -91,7 +91,7 @@ class RenderedDepth {
     return rgbd_frame(images_, v.intrinsics, v.cam_from_world, voxel);
   }
 
-  // [h,w] where the layer shows more glass than not.
+  // [h,w] 1 where the layer shows more glass than opaque surface.
   std::vector<uint8_t> glass(size_t i) {
     render(i, FeatureSet::Material);
     const std::span<const float> tau = images_.plane(Aov::Transmission), alpha = images_.plane(Aov::Alpha);
@@ -138,7 +138,7 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
     mesh = decimated(mesh, {.target_faces = static_cast<size_t>(config.faces)});
   }
   step(0.95, "final repair");           // smoothing and collapses may have folded the surface
-  mesh.normals = vertex_normals(mesh);  // keeps the sides
+  mesh.normals = vertex_normals(mesh);  // keeps the orientation
   mesh = repaired(mesh, repair, &second);
   mesh = without_small_components(mesh, {.min_fraction = clean.min_component, .keep_largest = clean.keep_components});
   mesh.normals = vertex_normals(mesh);
@@ -147,7 +147,7 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
   return mesh;
 }
 
-// mesh/behind_glass.ply, where glass shows something.
+// Writes mesh/behind_glass.ply if there is content behind glass.
 void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views,
                         const ObjectSet& objects, std::span<const LabelledView> labels, const TriMesh& mesh, FusionDesc fusion,
                         RenderedDepth& shell, StageContext& context, Json& report) {

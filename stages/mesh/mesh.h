@@ -1,6 +1,6 @@
-// Mesh: the diffuse layer's rendered depth becomes a triangle mesh. TSDF fusion of every training view, marching cubes
-// (mesh/mesh_raw.ply), then components, repair, smoothing, decimation (mesh/mesh.ply), what stands behind glass
-// (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
+// The mesh stage: triangle mesh from the rendered depth of the diffuse layer. TSDF fusion of all training views and marching
+// cubes (mesh/mesh_raw.ply); removal of small components, repair, smoothing and decimation (mesh/mesh.ply); content behind glass
+// (mesh/behind_glass.ply); mesh/report.json. README.md documents the options.
 #pragma once
 
 #include "core/render/raster/renderer.h"

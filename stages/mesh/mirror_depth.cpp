@@ -9,16 +9,16 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kMirrorLabelSide = 640;  // of the labels that are looked at, pixels, longest side
-constexpr int kLabelMargin = 2;        // of their pixels: silhouettes may be too narrow by that
-constexpr double kTurnedAlike = 0.7;   // cosine between the normals of a vertex and of the shape, at least
+constexpr int kMirrorLabelSide = 640;  // longest side of the label images, pixels
+constexpr int kLabelMargin = 2;        // label pixels: tolerance for too narrow silhouettes
+constexpr double kTurnedAlike = 0.7;   // minimum cosine between the normals of a vertex and of the shape
 
 bool has_object(const ShapeSet& set, uint16_t object) {
   return std::ranges::any_of(set.entries, [&](const ShapeSet::Entry& e) { return e.object == object; });
 }
 
-// The label of a pixel; beside an object, that of the object. Silhouettes that are too narrow by a pixel leave pictures in the
-// mirror beside them, deep inside.
+// Label of a pixel; next to an object, the object's label. At silhouettes that are a pixel too narrow, virtual images far behind
+// the surface would remain.
 uint16_t label_near(const Image16& labels, int x, int y) {
   if (labels.at(x, y) != 0) return labels.at(x, y);
   for (int v = std::max(0, y - kLabelMargin); v <= std::min(labels.height() - 1, y + kLabelMargin); ++v)
@@ -62,7 +62,7 @@ void MirrorDepth::put(size_t i, RgbdFrame& frame, double tolerance) const {
         if (labels.at(u, v) == id) frame.weight[p] = 0;
         continue;
       }
-      if (frame.zdepth[p] > 0 && frame.zdepth[p] < hit->t - tolerance) continue;  // something in front
+      if (frame.zdepth[p] > 0 && frame.zdepth[p] < hit->t - tolerance) continue;  // an occluder
       const double cosine = dot(hit->normal, direction) / length(direction);
       frame.zdepth[p] = float(hit->t);
       frame.weight[p] = float(cosine * cosine / (hit->t * hit->t));
@@ -81,7 +81,7 @@ size_t MirrorDepth::put_vertices(TriMesh& mesh, double tolerance) const {
       for (size_t v = 0; v < mesh.positions.size(); ++v) {
         const ShapePoint near = nearest(e.shape, cast<double>(mesh.positions[v]));
         if (length(near.position - cast<double>(mesh.positions[v])) > (appendages ? e.tolerance : tolerance)) continue;
-        if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, a rim
+        if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, or an edge
         if (!appendages) mesh.positions[v] = cast<float>(near.position);
         if (!mesh.normals.empty()) mesh.normals[v] = cast<float>(near.normal);
         ++moved;

@@ -16,10 +16,10 @@ namespace {
 constexpr double kMaxAimAngleDeg = 25;  // median angle between optical axis and the direction to the focus
 constexpr double kMinSpread = 0.02;
 constexpr size_t kMinPoints = 20;
-constexpr double kOutliers = 0.003;  // share of the points that lie outside on each side of each axis
-constexpr double kMostGrowth = 1;    // on each side, of the longest: by what has no sparse points
+constexpr double kOutliers = 0.003;  // share of the points cut off on each side of each axis
+constexpr double kMostGrowth = 1;    // largest growth per side by unmarked points, relative to the longest side
 
-// false when the axes are (nearly) parallel.
+// Returns false for (nearly) parallel axes.
 bool find_focus(const ViewSet& set, Region& region) {
   const LookedAt found = looked_at(set.views);
   if (found.spread < kMinSpread) return false;
@@ -34,7 +34,7 @@ bool find_focus(const ViewSet& set, Region& region) {
   return upper_median(angles) < kMaxAimAngleDeg;
 }
 
-// Grows `box` to hold `places` but for the outliers.
+// Extends `box` to contain `places` except outliers.
 void hold(const std::vector<Vec3d>& places, Bounds3& box) {
   for (size_t axis = 0; axis < 3 && !places.empty(); ++axis) {
     std::vector<double> x;
@@ -52,7 +52,7 @@ std::vector<Vec3d> glass_and_gloss(const SplatLayer& diffuse) {
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const float* p = diffuse.at(Attribute::Mean, i);
     const bool shiny = *diffuse.at(Attribute::Transmission, i) > 0 || *diffuse.at(Attribute::SpecularWeight, i) > 0;
-    if (shiny && *diffuse.at(Attribute::Opacity, i) > 0) found.push_back({p[0], p[1], p[2]});  // of logits: by half
+    if (shiny && *diffuse.at(Attribute::Opacity, i) > 0) found.push_back({p[0], p[1], p[2]});  // logit: opacity above 1/2
   }
   return found;
 }
@@ -84,7 +84,7 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const 
   std::vector<Vec3d> inside;
   for (const ScenePoint& p : set.points)
     if (length(p.position - region.focus) < reach || !region.convergent) inside.push_back(p.position);
-  if (inside.size() < kMinPoints && region.convergent) {  // the cameras alone: a cube between them
+  if (inside.size() < kMinPoints && region.convergent) {  // from the cameras alone: a cube between them
     const double half = reach / std::sqrt(3.0);
     region.box.low = region.focus - Vec3d{half, half, half};
     region.box.high = region.focus + Vec3d{half, half, half};
@@ -100,7 +100,7 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const 
   if (region.convergent) {
     std::vector<Vec3d> near;
     std::ranges::copy_if(unmarked, std::back_inserter(near), [&](const Vec3d& p) { return length(p - region.focus) < reach; });
-    // Voxels grow with the region: pictures behind a flat mirror and stray surfels may not take all of the reach.
+    // Voxels grow with the region: limits the growth by virtual images behind a flat mirror and by stray surfels.
     Bounds3 grown = region.box;
     if (near.size() >= kMinPoints) hold(near, grown);
     const double most = kMostGrowth * region.extent();

@@ -8,8 +8,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kAtFace_rel = 0.25;  // of the longest side, along the ray: what lies further behind is seen through the face
-constexpr double kTelling_rel = 0.2;  // of the pixels of the face that most look out through: fewer say nothing
+constexpr double kAtFace_rel = 0.25;  // of the longest side, along the ray: content farther behind the face is seen through it
+constexpr double kTelling_rel = 0.2;  // of the pixel count of the most used exit face: faces with fewer pixels are not classified
 
 }  // namespace
 
@@ -32,7 +32,7 @@ ShapeSet::Entry with_clear_panes(ShapeSet::Entry sheet, const Capture& capture, 
       if (!crossing) continue;
       const size_t face = crossing->left.index();
       const double z = double(depths[photo][i]), inside = (crossing->out - z) * length(per_z);
-      if (z > 0 && inside > at_face) continue;  // something stands in the case
+      if (z > 0 && inside > at_face) continue;  // the content is inside the case
       ++left[face];
       beyond[face] += z == 0 || inside < -at_face;
     }

@@ -1,4 +1,4 @@
-// Which faces of a glass box are panes.
+// Classification of the faces of a glass box as panes or opaque faces.
 #pragma once
 
 #include <span>
@@ -10,10 +10,10 @@
 
 namespace vitrine {
 
-// The floor of a display case is no pane, though its masks end there: what training photos show through the box stands right at
-// that face. A face is clear unless that is so for most pixels of the transparent masks whose rays leave by it. Sheets that are
-// no boxes, or whose clear faces are known, stay as they are. `depths`: [photo] z-depth of what the diffuse layer shows at
-// `level`, 0 = none; empty for held-out photos.
+// Marks faces as opaque if training photos show a surface right at the face for most pixels of the transparent masks whose rays
+// leave through it: the floor of a display case is no pane, though the masks end there. Other faces are clear. Entries that are
+// not boxes, or whose clear faces are given, are returned unchanged. `depths`: [photo] z-depth of the diffuse layer at `level`, 0
+// = none; empty for held-out photos.
 ShapeSet::Entry with_clear_panes(ShapeSet::Entry sheet, const Capture& capture, const Targets& targets,
                                  std::span<const std::vector<float>> depths, size_t level);
 

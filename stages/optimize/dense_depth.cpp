@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kNeighbours = 7;
-constexpr double kBeyond = 2;  // times where surfaces are looked for
+constexpr double kBeyond = 2;  // background distance, relative to the farthest searched depth
 
 size_t level_near(const Capture& capture, int max_side) {
   size_t best = 0;
@@ -27,7 +27,7 @@ size_t level_near(const Capture& capture, int max_side) {
   return best;
 }
 
-// Without the photo's gain: a wall without texture is as bright in all photos.
+// Divides by the photo's gain, so that a textureless wall has the same brightness in all photos.
 ImageF luma(const PhotoLevel& photo) {
   ImageF srgb(photo.view.intrinsics.width, photo.view.intrinsics.height, 3);
   for (size_t i = 0; i < srgb.pixel_count(); ++i) {
@@ -71,7 +71,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   dense.planes.insert(dense.planes.end(), walls.begin(), walls.end());
   std::vector<DepthMap> whole(dense.maps.size());
   parallel_for(dense.maps.size(), 1, [&](size_t v) {
-    // What nobody confirms is chance, and there is no plane to continue.
+    // Without a pixel that other photos confirm, the map is noise and has no plane to extend.
     const std::vector<uint8_t>& trusted = dense.maps[v].trusted;
     if (std::find(trusted.begin(), trusted.end(), 1) != trusted.end())
       whole[v] = extended(dense.photos, dense.maps, dense.planes, v);

@@ -1,5 +1,5 @@
-// Depth and normal of every pixel of the training photos, before anything is trained: PatchMatch stereo on reduced photos
-// (core/observe/stereo/patch_match.h), with the sparse points as hints.
+// Depth and normal maps of the training photos before training: PatchMatch stereo on reduced photos
+// (core/observe/stereo/patch_match.h), initialised with the sparse points.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 namespace vitrine {
 
 struct DenseDepth {
-  std::vector<StereoPhoto> photos;  // [capture.photos]; without a picture for held-out photos
+  std::vector<StereoPhoto> photos;  // [capture.photos]; held-out photos have no picture
   std::vector<DepthMap> maps;       // same order; empty where no other photo confirms a pixel
   std::vector<ScenePlane> planes;   // the large ones
-  size_t level = 0;                 // of the pyramids: as large as the maps
-  double background = 0;            // distance of what has no parallax: the sky; radii of the cameras
-  double reliable_share() const;    // of all pixels
+  size_t level = 0;                 // pyramid level of the maps
+  double background = 0;            // distance of content without parallax (sky), in radii of the cameras
+  double reliable_share() const;    // fraction of all pixels
 };
 
-// Works at the pyramid level whose longer side comes nearest to `max_side`.
+// Uses the pyramid level whose longer side is nearest to `max_side`.
 DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed);
 
 }  // namespace vitrine

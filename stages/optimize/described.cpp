@@ -66,8 +66,6 @@ Stage optimize_stage() {
   });
 }
 
-// Cost estimate and report figures of the optimize stage.
-
 StageCost optimize_cost(const CostTerms& t) {
   constexpr double kLayeredPart = 0.55;
   const double steps = t.number("optimize.iterations");

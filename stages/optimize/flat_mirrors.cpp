@@ -19,18 +19,21 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInMirror = 0.9f;        // share of a surfel's pixels that the specular masks mark: it is seen in a mirror alone
-constexpr float kBesideMirror = 0.5f;    // less: it stands before it
-constexpr float kSurfaceOpacity = 0.5f;  // opacity of surfels that tell a surface
+constexpr float kInMirror = 0.9f;        // share of a surfel's pixels inside the specular masks: above it, the surfel is a
+                                         // virtual image
+constexpr float kBesideMirror = 0.5f;    // below it, the surfel is in front of the mirror
+constexpr float kSurfaceOpacity = 0.5f;  // opacity of surfels that represent a surface
 constexpr size_t kMostPairs = 1500;      // surfels that are registered
-constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // scene units, of the rounds
-constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
-constexpr size_t kCandidates = 4;   // nearest surfels, the first of which with a like colour is the pair
+constexpr float kReaches[] = {0.2f,  0.2f,  0.1f,  0.1f,  0.05f,
+                              0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // pair distance per round, scene
+                                                                   // units
+constexpr float kLikeColor = 0.3f;                                 // mean difference of diffuse colours of a pair
+constexpr size_t kCandidates = 4;                                  // nearest surfels; the first with a similar colour is the pair
 constexpr size_t kFewestPairs = 60;
 constexpr double kAgreeing = 0.1;      // of the surfels must have a pair in the last round
-constexpr double kFurthestTurn = 0.2;  // radians that a plane may turn in all
-constexpr double kHalfWeight = 0.3;    // of the reach: a pair so far apart counts by half
-constexpr double kSteady = 1e-6;       // added to the normal equations
+constexpr double kFurthestTurn = 0.2;  // largest total rotation of a plane, radians
+constexpr double kHalfWeight = 0.3;    // of the reach: the pair distance with weight 1/2
+constexpr double kSteady = 1e-6;       // regularisation added to the normal equations
 
 Vec3d place_of(const SplatLayer& layer, size_t i) {
   const float* m = layer.at(Attribute::Mean, i);
@@ -39,7 +42,7 @@ Vec3d place_of(const SplatLayer& layer, size_t i) {
 
 Vec3d reflected(const Vec3d& p, const Facet& mirror) { return p - 2 * (dot(mirror.normal, p) - mirror.offset) * mirror.normal; }
 
-// The same surfel, looked at from the other side.
+// Mirrors the surfel's position and orientation.
 void reflect(const Facet& mirror, SplatLayer& layer, size_t i) {
   const Vec3d place = reflected(place_of(layer, i), mirror);
   const Facet direction{mirror.normal, 0};
@@ -61,7 +64,7 @@ float color_difference(const SplatLayer& layer, size_t a, size_t b) {
   return kShDc * sum / 3;
 }
 
-// Turned about its centre by a small rotation, then moved along the way that the cameras look, so that they see it as before.
+// Rotates the plane about its centre by a small rotation, then moves it along the view direction, which keeps its image position.
 Plane turned(const Plane& plane, const Vec3d& normal, double offset, const Vec3d& eye) {
   Plane out = plane;
   const Vec3d way = plane.centre - eye;
@@ -73,7 +76,7 @@ Plane turned(const Plane& plane, const Vec3d& normal, double offset, const Vec3d
   return out;
 }
 
-// The real surfels that reflected ones may lie on.
+// Real surfels that reflected virtual surfels may lie on.
 struct Scenery {
   std::vector<uint32_t> surfels;
   std::vector<Vec3f> places;
@@ -104,7 +107,7 @@ FlatMirrors::FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, c
     if (owner[i] != UINT32_MAX) mirrors_[owner[i]].behind.push_back(i);
 }
 
-// Whether most photos that may show a place behind the plane see it through the rectangle; `through`: how many do.
+// True if most photos that can see a place behind the plane see it through the rectangle; `through`: their number.
 bool FlatMirrors::sees(const Plane& plane, double tolerance, const Vec3d& place, size_t& through) const {
   const Facet front = plane.facets().front();
   if (dot(front.normal, place) > front.offset - tolerance) return false;
@@ -148,8 +151,8 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
 
   struct Pair {
     bool found = false;
-    Vec3d place, normal;  // behind the mirror; of the surface before it
-    double away = 0;      // of the reflected place along the normal
+    Vec3d place, normal;  // behind the mirror; normal of the real surface
+    double away = 0;      // signed distance of the reflected position along the normal
   };
   std::vector<Pair> pairs(sample.size());
   size_t agreeing = 0;
@@ -174,7 +177,8 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
     for (const Pair& p : pairs) {
       if (!p.found) continue;
       residuals.push_back(std::abs(p.away));
-      // q(n, d) = p - 2 (n p - d) n along the surface's normal m: to n by -2 ((m n) p + (n p - d) m), to d by 2 (m n).
+      // q(n, d) = p - 2 (n p - d) n. Its component along the surface normal m has the derivatives -2 ((m n) p + (n p - d) m) by n
+      // and 2 (m n) by d.
       const double facing = dot(p.normal, plane.normal), depth = dot(plane.normal, p.place) - plane.offset;
       const Vec3d to_normal = -2. * (facing * p.place + depth * p.normal);
       const Eigen::Vector3d row(dot(to_normal, u), dot(to_normal, v), 2 * facing);

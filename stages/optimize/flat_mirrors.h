@@ -1,6 +1,6 @@
-// Flat mirrors (known planes of role Mirror) when reflection begins. Photos show a world behind such a mirror, and stereo and
-// training have put surfels there. They are pictures of what stands before it: they tell how the mirror stands, as the world
-// behind it and the one before it are symmetrical, and then go to where they belong.
+// Registration of flat mirrors (known planes of role Mirror) when the reflection layer begins. Training has placed surfels behind
+// such a mirror, at the virtual images of the scene in front of it. The mirror symmetry between both gives the exact plane; then
+// the virtual surfels are reflected to their real positions.
 #pragma once
 
 #include <span>
@@ -16,17 +16,17 @@ class FlatMirrors {
   FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, const SplatLayer& diffuse);
 
   bool empty() const { return mirrors_.empty(); }
-  // Moves the planes of `shapes` (those of the desc) to where the world behind them, reflected, lies on the world before them:
-  // point-to-plane registration (Chen and Medioni, "Object modelling by registration of multiple range images", 1992) of three
-  // numbers. A plane stays where too little agrees.
+  // Moves the planes of `shapes` (those of the desc) by point-to-plane registration (Chen and Medioni, "Object modelling by
+  // registration of multiple range images", 1992) of three parameters: the reflected virtual surfels must lie on the real
+  // surfaces. A plane with too few matching pairs is unchanged.
   ShapeSet registered() const;
-  // Surfels that photos see in a mirror go before it, with a colour that does not depend on the view: [surfel] 1 for those.
+  // Reflects the virtual surfels to the front of the mirror, with view-independent colour. Returns [surfel] 1 for those.
   std::vector<uint8_t> reflect_into_scene(const ShapeSet& shapes, SplatLayer& diffuse) const;
 
  private:
   struct Mirror {
     size_t entry;
-    std::vector<uint32_t> behind;  // surfels that photos see in it
+    std::vector<uint32_t> behind;  // surfels that photos see in the mirror
   };
   bool sees(const Plane& plane, double tolerance, const Vec3d& place, size_t& through) const;
   Plane registered(const Mirror& mirror) const;

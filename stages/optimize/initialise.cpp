@@ -19,23 +19,23 @@ namespace {
 
 enum : uint64_t { kThinStream = 0x1901, kPixelStream = 0x1902 };
 
-// Of the cap, so that growth has room to put surfels where the picture needs them.
+// Share of the cap, which leaves room for densification.
 constexpr double kInitialShare = 0.7;
-// A ray farther than this part of the picture's diagonal from every sparse point has no depth to borrow.
+// Largest distance, relative to the picture's diagonal, from a sparse point whose depth a ray may use.
 constexpr double kBorrowReach = 0.12;
-constexpr double kOneSurface = 1.12;     // ratio of depths up to which neighbouring points are taken for one surface
-constexpr double kUnknownDemand = 0.5;   // a pixel without a depth: half as much as one that its photo alone sees
+constexpr double kOneSurface = 1.12;     // largest ratio of depths of neighbouring points on one surface
+constexpr double kUnknownDemand = 0.5;   // sampling weight of a pixel without depth: half of that of a pixel seen by one photo
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
 constexpr float kInitialOpacity = 0.3f;
 constexpr double kSkyShare = 0.9;  // of the background's distance
 
 struct Seed {
   Vec3f position, normal, linear;
-  float spacing_limit;  // no larger than its share of the picture
-  bool sky = false;     // at the background: as large as its share of the picture, however far its neighbours
+  float spacing_limit;  // limits the size to its share of the picture
+  bool sky = false;     // at the background distance: the size is its share of the picture, independent of its neighbours
 };
 
-// SfM points, at most `limit` of them, drawn without order.
+// Adds at most `limit` SfM points, sampled at random.
 void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vector<Seed>& seeds) {
   std::vector<uint32_t> order(set.points.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -57,7 +57,7 @@ void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vec
   }
 }
 
-// What a ray's surfel starts from: the colour of its pixel, and a depth.
+// Initial surfel of a pixel: its colour at a given depth.
 Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   const Intrinsics& k = photo.view.intrinsics;
   const Rigid world_from_cam = inverse(photo.view.cam_from_world);
@@ -71,19 +71,19 @@ Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   return seed;
 }
 
-// How much a pixel of a photo asks for a surfel of its own: what many photos see alike gets one from each of them.
+// Sampling weight of a pixel: 1 / (number of photos that see the same point), so that each point gets one surfel in total.
 double demand(const DepthMap& map, size_t pixel) {
   return map.reliable(pixel) ? 1.0 / (1 + map.agreeing[pixel]) : kUnknownDemand;
 }
 
-// `count` rays of the training photos: surfels on the surface that dense stereo finds, else at the depth of known points
-// nearby, else behind all of them. A photo without sparse points waits for the surfels of the others, unless none has any.
+// Adds surfels for `count` pixel rays of the training photos: at the depth of dense stereo, else at the depth of nearby sparse
+// points, else at the background. Photos without sparse points get none, unless no photo has any.
 void add_frustum_points(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t count,
                         std::vector<Seed>& seeds) {
   if (count == 0) return;
   const size_t views = capture.train.size();
   const auto of = [&](size_t t) -> const DepthMap& { return dense.maps[capture.train[t]]; };
-  std::vector<double> demanded(views + 1, 0);  // running sums
+  std::vector<double> demanded(views + 1, 0);  // running sums of the weights
   const bool blind = std::all_of(dense.photos.begin(), dense.photos.end(), [](const StereoPhoto& p) { return p.hints.empty(); });
   for (size_t t = 0; t < views; ++t) {
     double own = 0;
@@ -107,7 +107,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double width_ratio = double(matched.width) / k.width, height_ratio = double(matched.height) / k.height;
     const double mean_demand = (demanded[t + 1] - demanded[t]);
-    std::vector<KnownDepth> known;  // for a photo that stereo could not match at all
+    std::vector<KnownDepth> known;  // for a photo without stereo depth
     for (const Vec3d& h : dense.photos[v].hints) known.push_back({h.x / width_ratio, h.y / height_ratio, h.z});
     const auto spacing = [&](double pixel_demand) { return std::sqrt(area * mean_demand / (double(share) * pixel_demand)); };
     Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, v));
@@ -116,7 +116,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       if (map.zdepth.empty()) {
         ++s;
         const auto borrowed = borrowed_depth(known, x, y, reach);
-        if (borrowed && borrowed->spread > kOneSurface) continue;  // a surfel between them would float
+        if (borrowed && borrowed->spread > kOneSurface) continue;  // a surfel between two surfaces would float
         const double z = borrowed ? borrowed->z : dense.photos[v].far_z;
         found[t].push_back(pixel_seed(photo, x, y, z));
         found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * z / k.fx);
@@ -127,7 +127,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       const double wanted = demand(map, pixel);
       if (chance >= wanted) continue;
       ++s;
-      // The pixel's plane, met by the ray through (x, y).
+      // Intersects the pixel's plane with the ray through (x, y).
       const Vec3d normal = cast<double>(map.normal[pixel]);
       const double facing = dot(normal, k.ray(x, y));
       const bool sky = double(map.zdepth[pixel]) > kSkyShare * dense.background;

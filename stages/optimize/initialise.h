@@ -1,5 +1,5 @@
-// The surfels that training starts from: one on every sparse point, facing the cameras that saw it, and more along the rays
-// of pixels, because sparse points keep away from what has no texture and from the far background.
+// Initial surfels of the training: one per sparse point, facing the cameras that see it, and more along pixel rays, because
+// sparse points miss textureless surfaces and the far background.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace vitrine {
 
-// A rotation whose third column is `normal`.
+// Returns a rotation whose third column is `normal`.
 Quatf rotation_facing(const Vec3f& normal);
 
-// `keep`: where surfels may stand; empty = anywhere.
+// `keep`: accepts the positions of surfels; empty = all.
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
                          const std::function<bool(const Vec3d&)>& keep = {});
 

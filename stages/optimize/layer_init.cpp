@@ -28,38 +28,38 @@ namespace {
 enum : uint64_t { kCopyStream = 0x1a01, kShellStream = 0x1a02, kHullStream = 0x1a03 };
 
 constexpr size_t kEvidenceLevel = 0;
-constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that it can grow where pictures are wrong
-constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
+constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, which leaves room for densification
+constexpr double kShellShare = 0.25;               // of the reflection layer: surfels beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
-constexpr float kKnownReach = 2;                   // of the spacing of the hull: surfels this near to a known point show it
+constexpr float kKnownReach = 2;                   // of the hull spacing: surfels this near to a known point represent it
 constexpr float kMostlyInside = 0.5f;
-// Surfels that are seen almost only through glass are not of the diffuse layer.
+// Surfels with a larger share of pixels on glass leave the diffuse layer.
 constexpr float kBehindGlass = 0.9f;
-constexpr double kMirrorDepth = 0.5;  // of its size: where what is seen in a convex mirror seems to be
-// What begins as a mirror shows nothing but its reflections, and where no training photo had a ray that is black: too few pixels
-// of gloss in all photos do not tell what it reflects. A polished solid in 36 photos of 320x240 gains up to 1.4 dB, a ball in
-// fifteen photos of 48x36 loses 3.
+constexpr double kMirrorDepth = 0.5;  // of its size: approximate depth of the virtual images in a convex mirror
+// Minimum number of mirror pixels in all photos for starting as a mirror. A mirror shows only its reflections, which are black in
+// directions without training rays, so too few pixels do not determine them. A glossy solid in 36 photos of 320x240 gains up to
+// 1.4 dB, a ball in fifteen photos of 48x36 loses 3.
 constexpr size_t kTellingPixels = 20000;
-constexpr size_t kFewestShapePoints = 500;  // on shapes of mirrors, however little photos show of them
+constexpr size_t kFewestShapePoints = 500;  // minimum on mirror shapes, even if photos show little of them
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
-constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
+constexpr float kLargestGrowth = 2.5f;  // largest scale of copies that are fewer than the copied surfels
 
-// Glass scatters hardly any light of its own.
+// Glass scatters hardly any light: nearly black diffuse colour.
 const Vec3f kGlassColor = (0.02f - 0.5f) / kShDc * Vec3f{1, 1, 1};
 
 void set(SplatLayer& layer, Attribute a, size_t i, double value) {
   std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
 }
 
-// The images that a survey sums up.
+// Mask types that a survey sums up.
 enum class Surveyed { Specular, Transparent, Coat };
 const std::vector<uint8_t>& surveyed(const TargetLevel& level, Surveyed what) {
   if (what == Surveyed::Coat) return level.coat;
   return level.masks[size_t(what == Surveyed::Specular ? MaskClass::Specular : MaskClass::Transparent)];
 }
 
-// Sums over the training photos, for each of `masks`; per-photo depths come for free.
+// Sums over the training photos for each of `masks`, and the per-photo depths.
 struct Survey {
   std::vector<MaskEvidence> evidence;      // [mask]
   std::vector<std::vector<float>> depths;  // [photo] empty where held out
@@ -97,7 +97,7 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializ
   return found;
 }
 
-// `count` of `from`, drawn without order, ascending.
+// `count` random elements of `from`, ascending.
 std::vector<uint32_t> drawn(std::vector<uint32_t> from, size_t count, uint64_t seed, uint64_t stream) {
   if (from.size() <= count) return from;
   Rng rng(seed, stream);
@@ -107,7 +107,7 @@ std::vector<uint32_t> drawn(std::vector<uint32_t> from, size_t count, uint64_t s
   return from;
 }
 
-// Appearance and shape of a surfel of another layer; spherical harmonics as far as both go.
+// Copies appearance and shape of a surfel to another layer, with the smaller spherical harmonics degree of both.
 void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, float growth) {
   for (Attribute a :
        {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
@@ -115,9 +115,9 @@ void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, fl
   for (size_t c = 0; c < 2; ++c) to.at(Attribute::LogScale, j)[c] += std::log(growth);
 }
 
-// The standard deviation of the rasteriser's screen-space low-pass (core/render/raster/kernels/constants.h: exp(-d^2)), in world units
-// where a surfel is seen: the mean over the photos that have it in the picture. Rays know no pixels; a copy that is smaller than
-// that would lose to them what the rasteriser had made of it.
+// Standard deviation of the rasteriser's screen-space low-pass (core/render/raster/kernels/constants.h: exp(-d^2)), in world
+// units at `p`: the mean over the photos that show it. Rays have no low-pass, so smaller copies would appear smaller than in the
+// rasterised picture.
 float pixel_footprint(const Capture& capture, const Vec3d& p) {
   constexpr double kLowPass = 0.70710678;
   double sum = 0, count = 0;
@@ -131,7 +131,7 @@ float pixel_footprint(const Capture& capture, const Vec3d& p) {
   return count > 0 ? static_cast<float>(sum / count) : 0.f;
 }
 
-// Copies of the surfels at `indices` at the end of `layer`, of at most `count`; fewer copies are larger.
+// Appends at most `count` copies of the surfels at `indices` to `layer`; fewer copies are larger.
 void append_copies(const Capture& capture, const SplatLayer& from, const std::vector<uint32_t>& indices, size_t count,
                    uint64_t seed, SplatLayer& layer) {
   const std::vector<uint32_t> taken = drawn(indices, count, seed, kCopyStream);
@@ -157,7 +157,7 @@ Vec3f mean_color(const SplatLayer& layer, const std::vector<uint32_t>& indices) 
   return sum;
 }
 
-// Far surfels that face the scene, evenly over directions and over the logarithm of the distance.
+// Appends far surfels that face the scene, uniform over directions and over the logarithm of the distance.
 void append_shell(size_t count, const Vec3f& sh_dc, uint64_t seed, SplatLayer& layer) {
   const size_t first = layer.size();
   layer.resize(first + count);
@@ -180,7 +180,7 @@ void append_shell(size_t count, const Vec3f& sh_dc, uint64_t seed, SplatLayer& l
   }
 }
 
-// Diffuse surfels on the hull, at the end of the layer: on the points that are returned.
+// Appends diffuse surfels on the visual hull to the layer. Returns the indices of their seed points.
 std::vector<uint32_t> append_hull(const LayerInitDesc& desc, const SurfaceSeeds& hull, size_t limit, const Vec3f& sh_dc,
                                   SplatLayer& layer) {
   std::vector<uint32_t> all(hull.points.size());
@@ -214,8 +214,8 @@ void make_glass(const TransmittancePhase& phase, SplatLayer& layer, size_t i) {
   set(layer, Attribute::Transmission, i, phase.transmission);
 }
 
-// The transmittance layer of thin glass: the surfels that are seen through the glass alone leave the diffuse layer as they are,
-// at most `cap` of them and at least one, so that there is a layer. The picture does not change.
+// Creates the transmittance layer of thin glass: moves the surfels seen only through glass out of the diffuse layer, at most
+// `cap` and at least one, so that the layer exists. The picture does not change.
 void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) {
   SplatLayer& diffuse = scene.diffuse;
   std::vector<uint32_t> by_share(diffuse.size());
@@ -231,7 +231,7 @@ void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) 
   keep_surfels(diffuse, stay);
 }
 
-// Pixels of all training photos; of them, inside the specular mask and outside the transparent one.
+// Pixel counts over all training photos; `gloss`: inside the specular and outside the transparent mask.
 struct GlossPixels {
   size_t gloss = 0, all = 0;
 };
@@ -259,12 +259,12 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const ShapeSet shapes = mirrors.registered();
   const LayerInitDesc desc{start.config, start.capture, start.targets, shapes, start.glass, start.sh_degree};
   const std::vector<uint8_t> reflected = mirrors.reflect_into_scene(shapes, diffuse);
-  // Masks of any class say what reflects; without one everything may.
+  // Specular and transparent masks determine the mirrors; without masks any surfel may reflect.
   const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
   SurfaceSeeds hull;
   if (marked && phase.hull_points > 0) hull = surface_seeds(desc.shapes.no_glass().without(ShapeRole::Coat));
 
-  // Pictures in a mirror lie in and behind it. What lies farther off is the room that one photo shows beside the mirror.
+  // Virtual images lie in and behind the mirror. Surfels farther away are room that a single photo shows next to the mirror.
   Bounds3 around;
   for (const SurfaceSeed& p : hull.points) around.extend(cast<double>(p.position));
   if (!around.empty())
@@ -280,7 +280,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
     const auto mixed = [&](Attribute a, double outside, double inside, double under_coat) {
       set(diffuse, a, i, outside + gloss * (inside - outside) + painted * (under_coat - outside));
     };
-    if (!is_glass(diffuse, i)) {  // glass that was placed before has its materials
+    if (!is_glass(diffuse, i)) {  // glass placed earlier has its materials
       mixed(Attribute::SpecularWeight, kDull, phase.specular_weight, phase.coat_specular_weight);
       mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0, phase.coat_f0);
     }
@@ -295,7 +295,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   HullCounts counts;
   counts.shapes = desc.shapes.no_glass().without(ShapeRole::Mirror);  // coats keep their surfels
   if (hull.points.empty()) return counts;
-  // What the diffuse layer has there are pictures in the mirror, at their depths.
+  // Diffuse surfels there are virtual images, at their virtual depths.
   counts.moved = gone.size();
   const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
   keep_surfels(diffuse, stay);
@@ -303,7 +303,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const GlossPixels pictured = gloss_pixels(desc);
   const bool told = pictured.gloss >= kTellingPixels;
   const bool shaped = told && std::ranges::any_of(hull.points, &SurfaceSeed::known);
-  // As many for a pixel as the rest of the scene has.
+  // Same number of surfels per pixel as in the rest of the scene.
   const auto fair =
       std::max(kFewestShapePoints,
                static_cast<size_t>(double(pictured.gloss) / double(std::max<size_t>(pictured.all, 1)) * double(diffuse_cap)));
@@ -355,7 +355,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   };
   if (desc.config.shading.glass == Glass::Thin) {
     for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
-    // Where no glass can be placed, what stands behind it would be gone from every picture.
+    // Without placed glass, content moved behind it would disappear from every picture.
     move_behind_glass(seen, closed ? std::min(static_cast<size_t>(phase.initial_surfels), cap) : 1, scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
@@ -364,7 +364,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
       sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
     return counts;
   }
-  // Everything: what no training photo shows through the glass may be what the next view shows.
+  // All surfels: held-out views may see through the glass what no training photo shows.
   std::vector<uint32_t> through(diffuse.size()), stay;
   std::iota(through.begin(), through.end(), 0u);
   for (size_t i = 0; i < diffuse.size(); ++i) {

@@ -1,9 +1,8 @@
-// What the later phases start from (algorithms 5.7), out of the diffuse layer as it is when they begin.
-//   Which surfels a mask means is measured by rendering: the mean of the mask over the pixels of all training photos, weighted as
-//   the surfel is blended there.
-//   reflection     materials of the diffuse layer; copies of it, because mirrors show what is around, and a shell of far surfels;
-//                  mirrors themselves are put on the hull of their masks; the paint of a coat stays as it is
-//   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
+// Initial surfels of the reflection and the transmittance layer (algorithms 5.7), made from the diffuse layer.
+//   Mask membership of a surfel is the mean mask value over the pixels of all training photos, weighted by its blending weight.
+//   reflection     materials of the diffuse layer; copies of its surfels, because mirrors show the surroundings, and a sphere of
+//                  far surfels; diffuse surfels on the visual hull of the mirror masks; the diffuse colour under a coat is kept
+//   transmittance  the diffuse surfels behind glass move to the layer; diffuse surfels on the visual hull of the glass masks
 #pragma once
 
 #include "core/scene/surfels/splat_scene.h"
@@ -14,39 +13,39 @@
 
 namespace vitrine {
 
-// Specular weight and transmission of what is neither mirror nor glass: it sends no rays.
+// Initial specular weight and transmission outside mirrors and glass: such surfels send no rays.
 inline constexpr float kDull = 0.002f;
 
 struct LayerInitDesc {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
-  const ShapeSet& shapes;  // that the image formation draws (ObjectSet::drawn_shapes)
-  const ShapeSet& glass;   // of all glass, visual hulls among them
-  int sh_degree = 0;       // that the diffuse layer is rendered with
+  const ShapeSet& shapes;  // rendered by the image formation (ObjectSet::drawn_shapes)
+  const ShapeSet& glass;   // shapes of all glass, including visual hulls
+  int sh_degree = 0;       // the diffuse layer's rendered degree
 };
 
-// Of every diffuse surfel, over all training photos that have the mask.
+// Mask membership of each diffuse surfel, over all training photos that have the mask.
 struct MaskEvidence {
   std::vector<float> weight;  // sum of blending weights
-  std::vector<float> inside;  // of it inside the mask
+  std::vector<float> inside;  // the part inside the mask
   float share(size_t i) const { return weight[i] > 0 ? inside[i] / weight[i] : 0; }
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;       // surfels put on the hull; surfels that left the diffuse layer for them
-  std::vector<Vec3f> known_points;  // on shapes of gloss (HullPoint)
-  float known_reach = 0;            // how far from them surfels lie that show it, at most
-  ShapeSet shapes;                  // of the layer's role, for training
+  size_t hull = 0, moved = 0;       // surfels placed on the visual hull; diffuse surfels removed for them
+  std::vector<Vec3f> known_points;  // on mirror shapes (HullPoint)
+  float known_reach = 0;            // largest distance from known_points at which a surfel shows a known shape
+  ShapeSet shapes;                  // shapes of this role, for training
 };
-// Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
+// Both change the diffuse layer, up to `diffuse_cap` surfels, and create the new layer of `scene` with at most `cap` surfels.
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 
-// Sheets of glass that are drawn from their shapes (core/render/model/sheet_pass.h) need no surfels while the scene is trained: what is
-// seen through them stays in the diffuse layer until the end, when begin_transmittance() gives other programs what they expect.
+// True for thin glass that is rendered from its shapes (core/render/model/sheet_pass.h). It needs no surfels during training:
+// what is seen through it stays in the diffuse layer until begin_transmittance() creates the layer for other stages at the end.
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
-// The sheets, with the faces that are panes. No surfel of the diffuse layer is clear from now on.
+// The shapes of thin glass, with the faces that are panes. Sets the transmission of all diffuse surfels to opaque.
 ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene);
 
 }  // namespace vitrine

@@ -13,11 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Measured floats: parameters, gradient and two moments of a surfel (4 x 28 at degree 1), statistics, projected surfel and
-// its tile entries; channels, gradients and loss maps of a pixel.
+// Measured: parameters, gradient and two moments of a surfel (4 x 28 floats at degree 1), statistics, projected surfel and tile
+// entries; channels, gradients and loss maps of a pixel.
 constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
-constexpr size_t kBytesPerTwinSurfel = 224;  // its parameters, in the training and among the outputs
-// Of a pixel of the pyramids: three colours of a photo, a mask, three components of a normal and its confidence.
+constexpr size_t kBytesPerTwinSurfel = 224;  // its parameters, in training and in the outputs
+// Bytes per pyramid pixel: three colours of a photo, a mask, three components of a normal and its confidence.
 constexpr size_t kPhotoBytes = 6, kMaskBytes = 1, kNormalBytes = 7;
 
 }  // namespace

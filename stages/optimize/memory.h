@@ -1,5 +1,5 @@
-// What training takes of memory, from cameras and file names alone: known before anything is read, so that under --max-memory the
-// number of surfels is an option of the run, part of its key, and not something that is found out on the way.
+// Memory estimate of training from cameras and file names, before any image is read. With --max-memory the number of surfels is
+// therefore an option of the run and part of its cache key.
 #pragma once
 
 #include <filesystem>
@@ -12,14 +12,14 @@
 
 namespace vitrine {
 
-inline constexpr size_t kFewestSurfels = 2000;  // fewer are no scene
+inline constexpr size_t kFewestSurfels = 2000;  // smallest usable scene
 
-// Photos, masks and normals of all views, and the images of one step: what is there before the first surfel.
+// Bytes of the photos, masks and normals of all views, and of the images of one step.
 size_t bytes_before_surfels(const ViewSet& views, int max_side, const std::optional<std::filesystem::path>& masks,
                             const std::optional<std::filesystem::path>& normals);
-// As many surfels as fit beside that, those for what no photo shows among them.
+// Largest number of surfels that fits in the remaining memory, including those for unobserved regions.
 size_t affordable_surfels(const OptimizeConfig& config, size_t bytes_before, size_t max_memory_bytes);
-// max_gaussians, where fewer fit than are wanted.
+// Reduces max_gaussians if the wanted number does not fit.
 std::vector<FittedOption> fit_into_memory(const OptimizeConfig& config, size_t max_memory_bytes, const InputPaths& inputs);
 StageFit optimize_fit();
 

@@ -13,22 +13,22 @@ namespace vitrine {
 
 namespace {
 
-// In place: photos before and after in name order, as far as a ring of a capture goes on.
+// Offsets in name order of the photos compared at the same image position; they span a ring capture.
 constexpr std::array<int, 6> kApart{1, 2, 3, 5, 8, 13};
-constexpr double kOtherDirection = 0.087;  // radians; what is far away moves by more than a patch
+constexpr double kOtherDirection = 0.087;  // radians; far content moves by more than a patch
 constexpr float kAlike = 0.8f;             // correlation
-constexpr float kSameBrightness = 0.05f;   // mean difference of patches with texture, and
-constexpr float kSamePlain = 0.02f;        // of patches without
-constexpr float kFine = 0.02f;             // of brightness: more than noise
+constexpr float kSameBrightness = 0.05f;   // mean brightness difference of textured patches
+constexpr float kSamePlain = 0.02f;        // mean brightness difference of textureless patches
+constexpr float kFine = 0.02f;             // of brightness: above noise
 constexpr size_t kFewestInPlace = 2, kFewestPlain = 4;
 constexpr double kMostPlain = 0.9;
 constexpr size_t kFewestNeighbours = 2;
-constexpr double kHidden = 0.95;  // of the depth: what is nearer hides
-// Votes of the pixels around: as many as that of the window must say something, twice as many for one side as for the other.
+constexpr double kHidden = 0.95;  // relative depth: nearer surfaces occlude
+// Votes in the window: at least 20 % of its pixels must vote, and the majority must be 2:1.
 constexpr int kWindow = 3;
 constexpr double kFewestVotes = 0.2, kMajority = 2;
-// Rooms that stand still: textured pixels in place 0 to 3 % (a white plate's rim), unexplained 7 to 16 %. Turntables: in place 40
-// % and more before a tripod; 9 %, and 33 % unexplained, from a hand that sways by 7 degrees.
+// Static rooms: textured pixels in place 0 to 3 % (a white plate's rim), unexplained 7 to 16 %. Turntables: in place 40 % and
+// more on a tripod; 9 %, and 33 % unexplained, with a handheld camera that sways by 7 degrees.
 constexpr double kMovesInPlace = 0.15, kMovesPlain = 0.3, kMovesUnexplained = 0.4;
 constexpr double kSomeInPlace = 0.04, kSomeUnexplained = 0.25;
 
@@ -47,7 +47,7 @@ struct EvidenceSurvey {
     return !mask.empty() && mask[pixel] >= 128;
   }
 
-  // Training photos that look from elsewhere, near in name order.
+  // Training photos with other view directions, near in name order.
   std::vector<uint32_t> elsewhere(size_t t) const {
     const View& view = dense.photos[capture.train[t]].view;
     std::vector<uint32_t> list;
@@ -82,7 +82,7 @@ struct EvidenceSurvey {
     return alike >= kFewestInPlace ? alike : 0;
   }
 
-  // How many neighbours look at the place that the extended depth gives the pixel, and see nothing before it.
+  // Number of neighbours that see the pixel's position at the extended depth without an occluder.
   size_t neighbours_that_look(const StereoPhoto& photo, const DepthMap& map, int x, int y) const {
     const Vec3d at =
         inverse(photo.view.cam_from_world) * (double(map.zdepth[map.index(x, y)]) * photo.view.intrinsics.ray(x + 0.5, y + 0.5));
@@ -108,7 +108,7 @@ float range_around(const ImageF& luma, int x, int y) {
   return most - least;
 }
 
-// Pixels inside the mask or within a patch of it.
+// Pixels inside the mask or within one patch of it.
 std::vector<uint8_t> widened(std::span<const uint8_t> mask, int width, int height) {
   std::vector<uint8_t> wide(size_t(width) * size_t(height), 0);
   if (mask.empty()) return wide;
@@ -122,7 +122,7 @@ std::vector<uint8_t> widened(std::span<const uint8_t> mask, int width, int heigh
   return wide;
 }
 
-// What most pixels around say.
+// Majority vote of the surrounding pixels.
 std::vector<Evidence> voted(const PhotoEvidence& photo) {
   std::vector<Evidence> result = photo.pixels;
   for (int y = 0; y < photo.height; ++y)

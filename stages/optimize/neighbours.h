@@ -1,4 +1,4 @@
-// Distances to nearest neighbours in a point cloud.
+// Nearest-neighbour distances in a point cloud.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace vitrine {
 
-// Root of the mean squared distance of every point to its three nearest others; 0 where there are no others.
+// Root mean square distance from each point to its three nearest neighbours; 0 for a single point.
 std::vector<float> neighbour_spacing(std::span<const Vec3f> points);
 
 }  // namespace vitrine

@@ -15,10 +15,10 @@ namespace {
 
 constexpr size_t kJudgeEvery = 20, kFirstJudge = 4;  // of the training photos
 constexpr size_t kFewestJudged = 200;                // pixels of an object
-constexpr double kShareUnjudged = 0.5;               // of an object with fewer
-constexpr size_t kShares = 20;                       // that are tried, beside none
+constexpr double kShareUnjudged = 0.5;               // share of an object with fewer pixels
+constexpr size_t kShares = 20;                       // number of shares tried, in addition to 0
 
-// [pixel] What was withheld from both trainings: glass and gloss, and of that nothing that training looks at nowhere.
+// [pixel] True for pixels withheld from both trainings: specular, transparent or coated, inside the object mask, and not ignored.
 bool was_withheld(const TargetLevel& target, size_t pixel) {
   const auto has = [&](const std::vector<uint8_t>& mask, bool without) { return mask.empty() ? without : mask[pixel] >= 128; };
   const auto of = [&](MaskClass kind) -> const std::vector<uint8_t>& { return target.masks[size_t(kind)]; };

@@ -1,5 +1,5 @@
-// The opaque twin of a scene with glass or gloss (core/render/model/opaque_pass.h), and how much of each object's pictures is the
-// layers'. Glass and gloss of some training photos are withheld from both trainings, so that they can judge.
+// Opaque twin of a scene with glass or mirrors (core/render/model/opaque_pass.h), and the per-object share of the layers in the
+// blended picture. Specular pixels of some training photos are withheld from both trainings as validation pixels.
 #pragma once
 
 #include <map>
@@ -13,15 +13,15 @@
 
 namespace vitrine {
 
-// Where no known shape is shown, both are surfels of the same kind.
+// Share of the layers outside known shapes, where both scenes have the same kind of surfels.
 inline constexpr float kLayeredElsewhere = 0.5f;
 
-// [photo] 1: judges.
+// [photo] 1: validation photo.
 std::vector<uint8_t> judging_photos(const Capture& capture);
 
-// Share of the layers in the picture, by id of the object: that whose mean of both, in linear light, comes nearest to what
-// judging photos show of it, as displayed, in pixels that were withheld from training; a half where too few were. `options`: of
-// the scene's pictures, with all shares 1.
+// Share of the layers in the picture, by object id: the share whose blend of both pictures, in linear light, is nearest (as
+// displayed) to the withheld pixels of the validation photos; 0.5 for objects with too few pixels. `options`: of the scene's
+// pictures, with all shares 1.
 std::map<uint16_t, double> layered_shares(const SplatScene& scene, const ImageOptions& options, const Capture& capture,
                                           const Targets& targets, std::span<const uint8_t> judges);
 

@@ -21,9 +21,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kFarFactor = 5;  // surfaces are searched so far beyond the farthest sparse points; beyond may be sky
+constexpr double kFarFactor = 5;  // stereo searches up to this factor times the farthest sparse point; farther content may be sky
 
-// stage_main has made max_gaussians small enough for the limit (memory.h), as far as fewer surfels help.
+// stage_main has already reduced max_gaussians to the memory limit (memory.h), as far as fewer surfels help.
 void check_memory(const OptimizeConfig& config, const Capture& capture, const StageContext& context) {
   const size_t limit = context.max_memory_bytes();
   if (limit == 0) return;
@@ -37,7 +37,7 @@ void check_memory(const OptimizeConfig& config, const Capture& capture, const St
                .code = "OUT_OF_MEMORY"});
 }
 
-// Depths of the training photos, found when they are asked for.
+// Dense depth of the training photos, computed on first use.
 class LazyDepth {
  public:
   LazyDepth(const OptimizeConfig& config, const Capture& capture, StageContext& context)
@@ -74,9 +74,9 @@ size_t surfel_count(const SplatScene& scene) {
   return scene.diffuse.size() + scene.reflection.size() + scene.transmittance.size();
 }
 
-// One training of the stage: a scene with an opaque twin has two.
+// One training of the stage; a scene with an opaque twin has two.
 struct TrainingPart {
-  const char* name;    // "opaque twin, "; empty: of the scene itself
+  const char* name;    // "opaque twin, "; empty: the scene itself
   double from, share;  // of the stage's progress
   fs::path checkpoint;
   fs::path previews = {};  // empty: none
@@ -115,7 +115,7 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
     context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
 }
 
-// From the checkpoint, if there is a sound one.
+// Resumes from the checkpoint if it is valid.
 std::unique_ptr<Trainer> started(const TrainerSetup& setup, const fs::path& checkpoint, LazyDepth& depth, StageContext& context) {
   auto trainer =
       std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0), std::vector<ScenePlane>{});
@@ -173,7 +173,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
       config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
   say(surroundings);
   const bool alone = surroundings.trained != Trained::Everything, still_part = surroundings.trained == Trained::StillPart;
-  if (!alone) targets.forget(MaskClass::Object);  // its loss would push everything else out of the picture
+  if (!alone) targets.forget(MaskClass::Object);  // the object loss would suppress everything outside the object
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
   const bool has_twin = config.opaque_twin && layers.any();
@@ -216,7 +216,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   if (still_part) write_trained_masks(context.output() / "optimize/trained", capture, targets);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, heldout);
   make_folders(previews);
-  // Previews wait in the scratch folder, so that those from before an interruption are kept.
+  // Previews are linked from the scratch folder, which keeps those written before an interruption.
   for (const auto& file : fs::directory_iterator(previews))
     link_or_copy(file.path(), context.output() / "optimize/previews" / file.path().filename());
 

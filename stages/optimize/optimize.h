@@ -15,7 +15,7 @@
 
 namespace vitrine {
 
-// Parts of the run on photos of a quarter and of half the size, coarse to fine.
+// Fractions of the run that train at a quarter and at half of the photo size, coarse to fine.
 struct ResolutionPhases {
   double quarter_until = 0.12, half_until = 0.45;
 };
@@ -40,8 +40,8 @@ struct OptimizeConfig {
   WantedSurroundings surroundings = WantedSurroundings::Auto;
   bool fill_unseen = true;
   int checkpoint_every = 250;
-  double sh_from = 0.15;     // part of the run after which the colour may depend on the view; no option
-  int preview_every = 1000;  // steps between two preview pictures, 0 = only the last; no option
+  double sh_from = 0.15;     // fraction of the run after which colour depends on the view; not an option
+  int preview_every = 1000;  // steps between preview pictures, 0 = only the last; not an option
   ResolutionPhases resolution;
   InitialConfig initial;
   PhasesConfig phases;

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Six digits: enough for people, and no noise of the last bits.
+// Six digits, which hides differences in the last bits.
 double rounded(double value) { return std::isfinite(value) ? std::stod(fmt::format("{:.6g}", value)) : 0.0; }
 
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::lround(255.f * std::clamp(value, 0.f, 1.f))); }

@@ -74,7 +74,7 @@ AttributeRates PhaseClock::rates(LayerKind kind, const RatesConfig& rates, doubl
     r = diffuse_rates(rates, scene_radius);
   } else if (begun(kind)) {
     const LayerPhase& phase = config_.of(kind);
-    r = rates_at(rates, fraction_, scene_radius);  // copies of what is trained already: no second start
+    r = rates_at(rates, fraction_, scene_radius);  // the surfels are copies of trained ones: no warm-up
     for (float& rate : r) rate *= static_cast<float>(ramp(phase));
   }
   if (layers_.any() && fraction_ >= config_.joint.from)

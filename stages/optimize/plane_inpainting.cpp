@@ -22,22 +22,22 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kSolid = 0.5f;        // alpha of a pixel that shows something
-constexpr double kFinestCell = 0.03;  // of the cameras' radius, which is 1; radians of the sky
-constexpr double kCoarser = 1.4;      // cells grow by this until their surfels are few enough
-constexpr double kReach = 0.48;       // farther from anything seen nothing is guessed
+constexpr float kSolid = 0.5f;        // alpha of a pixel that shows a surface
+constexpr double kFinestCell = 0.03;  // of the cameras' radius, which is 1; radians for the sky
+constexpr double kCoarser = 1.4;      // cell growth factor until there are few enough surfels
+constexpr double kReach = 0.48;       // largest distance of inpainting from seen cells
 constexpr size_t kMostCells = 1u << 20;
-constexpr double kOnPlane = 0.02;  // relative depth within which a photo sees the plane itself
-constexpr double kThrough = 0.04;  // and beyond which it sees through it
-constexpr double kBehind = 0.02;   // the plane, so that nothing seen is hidden
-constexpr double kSky = 0.5;       // of the sky's distance: what is farther is sky
+constexpr double kOnPlane = 0.02;  // relative depth tolerance within which a photo sees the plane
+constexpr double kThrough = 0.04;  // relative depth beyond which it sees through the plane
+constexpr double kBehind = 0.02;   // offset behind the plane, so that no seen surface is occluded
+constexpr double kSky = 0.5;       // of the sky's distance: farther content is sky
 constexpr double kBehindSky = 1.2;
-constexpr double kCover = 0.75;  // scale of a surfel, of a cell
+constexpr double kCover = 0.75;  // scale of a surfel, relative to its cell
 constexpr float kOpacity = 0.95f;
-constexpr float kShows = 0.25f;    // of a guessed surfel's pixels in a photo: most that may show through what was trained
-constexpr float kFewPixels = 4.f;  // in a photo: its rim
-constexpr float kWhole = 1.f;      // of the pixels in the photo that shows most of a surfel: small guesses do no harm
-constexpr float kRim = 0.25f;      // small surfels that were trained may be many
+constexpr float kShows = 0.25f;    // largest visible share of an inpainted surfel's pixels in a photo
+constexpr float kFewPixels = 4.f;  // in a photo: fewer pixels are only the surfel's edge
+constexpr float kWhole = 1.f;      // of its pixels in the photo that shows most of it: small inpainted surfels do no harm
+constexpr float kRim = 0.25f;      // the same for moved trained surfels, of which many may be small
 
 std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& capture) {
   ImageModel model({.diffuse = {.sh_degree = 0, .near_z = capture.near_z}});
@@ -57,10 +57,10 @@ std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& captu
   return photos;
 }
 
-// The part of a plane that photos see, and its surroundings.
+// The seen part of a plane and its neighbourhood.
 struct PlanePart {
-  Vec3d normal, origin, u, v;  // the normal looks to the middle of the cameras, which is the origin
-  CellSurface cells;           // without any where nobody sees the plane
+  Vec3d normal, origin, u, v;  // the normal faces the centre of the cameras, which is the origin
+  CellSurface cells;           // empty if no photo sees the plane
 
   PlanePart(const ScenePlane& plane, double cell, double background, std::span<const SeenPhoto> photos)
       : normal((plane.offset >= 0 ? -1.0 : 1.0) * plane.normal), origin(plane.offset * plane.normal) {
@@ -76,7 +76,7 @@ struct PlanePart {
     if (!(low_u < high_u) || !(low_v < high_v)) return;
     const double columns = std::ceil((high_u - low_u + 2 * kReach) / cell),
                  rows = std::ceil((high_v - low_v + 2 * kReach) / cell);
-    if (columns * rows > double(kMostCells)) return;  // a plane that far out has no neighbourhood
+    if (columns * rows > double(kMostCells)) return;  // planes that far away are skipped
     origin += (low_u - kReach) * u + (low_v - kReach) * v;
     cells.columns = int(columns), cells.rows = int(rows);
     cells.place = [this, cell](double column, double row) { return origin + column * cell * u + row * cell * v; };
@@ -101,7 +101,7 @@ struct PlanePart {
   }
 };
 
-// Whether some photo has enough sky for its colours to say anything.
+// True if some photo has enough sky pixels for reliable colours.
 bool shows_sky(std::span<const SeenPhoto> photos, double background) {
   constexpr double kEnough = 0.01;  // of its pixels
   return std::ranges::any_of(photos, [&](const SeenPhoto& seen) {
@@ -110,8 +110,8 @@ bool shows_sky(std::span<const SeenPhoto> photos, double background) {
   });
 }
 
-// The sky as a sphere around the cameras, in cells of latitude and longitude. Behind what photos see of the room nobody looks for
-// it: a bright guess there would shine through every gap.
+// The sky as a sphere around the cameras, in cells of latitude and longitude. Cells behind seen surfaces are not filled: a bright
+// guess there would shine through every gap.
 CellSurface sky(double cell, double background) {
   const int rows = std::max(4, int(std::numbers::pi / cell));
   return {.columns = 2 * rows,
@@ -124,7 +124,7 @@ CellSurface sky(double cell, double background) {
           .sight = [=](double, double zdepth) { return zdepth > kSky * background ? Sight::Seen : Sight::Through; }};
 }
 
-// Materials as at the start of training, of what sends no rays.
+// Sets the initial materials of a surfel that sends no rays.
 void make_dull(SplatLayer& layer, size_t i) {
   for (Attribute a : {Attribute::F0, Attribute::Roughness})
     std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
@@ -162,7 +162,7 @@ SplatLayer guessed_layer(std::span<const ScenePlane> planes, double background, 
   return layer;
 }
 
-// Sums of blending weights of the surfels in one photo, pixels.
+// Sum of the blending weights per surfel in one photo, in pixels.
 class PhotoWeights {
  public:
   PhotoWeights(const SplatLayer& layer, const Capture& capture)
@@ -185,12 +185,12 @@ class PhotoWeights {
   Frame frame_;
 };
 
-// Of `added`, what no training photo would see through the diffuse layer, ascending. A guess that a photo does see is wrong: that
-// photo shows something else there, or nothing. Photos in which little of a surfel lies, which is its rim, do not count.
-// `rim`: of the pixels in the photo that shows most of a surfel, kFewPixels at most.
+// Ascending indices of `added` surfels that the diffuse layer hides from all training photos. A visible inpainted surfel
+// contradicts the photo. Photos that show only the edge of a surfel are ignored: fewer pixels than `rim` times those in the photo
+// that shows most of it, at most kFewPixels.
 std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLayer& added, const Capture& capture, float rim) {
   PhotoWeights alone(added, capture), together(joined(diffuse, added), capture);
-  std::vector<float> most(added.size()), shown(added.size());  // pixels: in any photo, in those that would see it
+  std::vector<float> most(added.size()), shown(added.size());  // pixels: maximum over all photos; over photos that see the surfel
   for (uint32_t photo : capture.train) {
     const View& view = capture.photos[photo].levels[kUnseenLevel].view;
     const std::vector<float>& all = alone.in(view);
@@ -206,7 +206,7 @@ std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLaye
   return kept;
 }
 
-// Surfels whose centres lie on one of the planes or its continuation, as seen from the middle of the cameras.
+// Surfels with centres on one of the planes or its extension, as seen from the centre of the cameras.
 std::vector<uint32_t> on_planes(const SplatLayer& layer, std::span<const ScenePlane> planes) {
   std::vector<uint32_t> found;
   for (size_t i = 0; i < layer.size(); ++i) {

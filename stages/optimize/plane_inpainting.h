@@ -1,9 +1,8 @@
-// What no photo shows, because it lies beyond the edges of all of them or something hides it: a view from a new place would
-// look there into nothing. The large planes of the scene (walls, floor, table) go on there: their cells that no photo sees, and
-// through which no photo looks, take the smoothest continuation of the colours around (Laplace's equation), up to a short way
-// from the last cell that is seen; and so does the sky. What a photo would see of it through what was trained is left out. A
-// guess, and of colours alone: what stands there nobody knows.
-// And what photos show through glass alone, because the glass hides it.
+// Inpainting of regions that no photo sees, outside all images or occluded: novel views would see holes there. The large planes
+// of the scene (walls, floor, table) are extended: cells that no photo sees, or sees through, get colours from Laplace's
+// equation, up to a limited distance from the last seen cell. The sky is extended in the same way. Surfels that would be visible
+// in a training photo are removed. This is a guess of colours only; no geometry is added. Also moves surfels that photos see only
+// through glass from the transmittance to the diffuse layer.
 #pragma once
 
 #include <span>
@@ -14,25 +13,24 @@
 
 namespace vitrine {
 
-// Of the surfels that training may have: most that what no photo shows takes beyond them.
+// Largest number of added surfels as a fraction of max_gaussians.
 inline constexpr double kMostUnseen = 0.2;
 
-// `second` behind `first`, with the spherical harmonics of `first` as far as both go.
+// Concatenates `first` and `second`, with the spherical harmonics degree of `first`.
 SplatLayer joined(const SplatLayer& first, const SplatLayer& second);
 
-// What photos see of a scene whose glass is thin: all that is opaque, of the transmittance layer as well.
+// Opaque surfels of a scene with thin glass, including those of the transmittance layer.
 SplatLayer seen_through_glass(const SplatScene& scene);
 
-// A wall that photos know through thin glass alone is a hole to a new camera that looks past the glass. Surfels of the
-// transmittance layer that stand on the large planes or their continuation, and that the diffuse layer with its glass hides from
-// all training photos, go to the end of the diffuse layer, where they show the same through the glass as far as the spherical
-// harmonics of that layer go. Returns which stay behind, ascending: at least one, so that there is a layer.
+// Moves surfels from the transmittance to the end of the diffuse layer: those on the large planes or their extension that the
+// diffuse layer with its glass occludes in all training photos. Without them, a wall seen only through thin glass is a hole for a
+// new camera that looks past the glass. Through the glass they look the same, up to the spherical harmonics degree of the diffuse
+// layer. Returns the ascending indices of the surfels that stay; at least one, so that the layer exists.
 std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::span<const ScenePlane> planes, SplatScene& scene);
 
-// Surfels for the diffuse layer, of one colour from all sides, materials as at the start of training; at most `most`, coarser
-// where that is needed. `shown`: the surfels as they have been trained. Glass among them would hide what stands behind it, and
-// guesses would be put there.
-// `background`: distance of the sky; 0 = there is none.
+// Returns at most `most` surfels for the diffuse layer, with one colour for all directions and initial materials; the cells grow
+// until they fit. `shown`: the trained surfels without glass; glass would hide the content behind it, and the region would be
+// inpainted. `background`: distance of the sky; 0 = no sky.
 SplatLayer inpainted_planes(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
                             double background, size_t most);
 

@@ -18,21 +18,22 @@ namespace {
 
 constexpr size_t kMostPoints = 150000;
 constexpr size_t kFewestPhotos = 3;
-constexpr double kMostAgainst = 0.2;  // of the photos that say something of the place
+constexpr double kMostAgainst = 0.2;  // of the photos with evidence at the position
 constexpr double kSameDepth = 0.05;   // of the depth
-constexpr double kNearPlane = 0.012;  // of the distance of the cameras, as for scene_planes()
+constexpr double kNearPlane = 0.012;  // of the cameras' distance, as for scene_planes()
 constexpr double kTurned = 0.8;       // cosine between normals
 constexpr size_t kFewestOnPlane = 30;
-constexpr double kLeastOfPoints = 0.25;  // a plate or a table holds them; between few points the air would be filled
-constexpr double kTrim = 0.01;           // of the points of a plane: strays at either end, in each of 32 directions
+constexpr double kLeastOfPoints = 0.25;  // a plate or a table contains at least this share; a plane between few points would fill
+                                         // empty space
+constexpr double kTrim = 0.01;           // of the points of a plane: outliers at either end, in each of 32 directions
 constexpr size_t kDirections = 32;
-constexpr double kLargestSplat = 6;  // pixels: nearer than that there is something wrong with the point
-constexpr int kBorder = 2;           // pixels: a patch is explained by what lies beside it
+constexpr double kLargestSplat = 6;  // pixels: a larger splat indicates a wrong point
+constexpr int kBorder = 2;           // pixels: neighbouring texture may explain a patch
 
-// What the photos say of a place.
+// Votes of the photos for a position.
 struct Votes {
   size_t still = 0, against = 0, silent = 0;
-  size_t plain = 0;  // of the silent: a backdrop, where a point with texture would show
+  size_t plain = 0;  // of the silent ones: a backdrop, where a textured point would be visible
 };
 
 Votes votes_at(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence, const Vec3d& position) {
@@ -46,7 +47,7 @@ Votes votes_at(const Capture& capture, const DenseDepth& dense, const MovingEvid
     const size_t pixel = map.index(int(p->x), int(p->y));
     const double depth = map.reliable(pixel) ? double(map.zdepth[pixel]) : 0;
     const bool looks_through = depth > (1 + kSameDepth) * p->z;
-    if (depth > 0 && depth < (1 - kSameDepth) * p->z) continue;  // hidden
+    if (depth > 0 && depth < (1 - kSameDepth) * p->z) continue;  // occluded
     if (of.pixels[pixel] == Evidence::Object && !looks_through) continue;
     if (looks_through || of.pixels[pixel] == Evidence::Moves)
       ++votes.against;
@@ -62,7 +63,7 @@ bool uncontradicted(const Votes& votes) {
   return double(votes.against) <= kMostAgainst * double(votes.against + votes.still + votes.silent);
 }
 
-// The pixels that stereo explains, thinned out.
+// Subsampled pixels that stereo explains.
 std::vector<StillPoint> explained(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence) {
   size_t all = 0;
   const auto counts = [&](uint32_t v, size_t i) {
@@ -97,7 +98,7 @@ std::vector<StillPoint> explained(const Capture& capture, const DenseDepth& dens
   return points;
 }
 
-// The convex part of a plane that the points on it span: inside of `most[d]` in each of the directions d.
+// Convex region of the points on a plane: coordinates below `most[d]` in each of the directions d.
 struct PlanePatch {
   Vec3d u, v;
   std::array<Vec3d, kDirections> directions;
@@ -124,7 +125,7 @@ PlanePatch patch_of(const ScenePlane& plane, const std::vector<StillPoint>& on_p
   return patch;
 }
 
-// Flat surface between explained points, of which photos say nothing else.
+// Adds points on the plane between the explained points unless photos contradict them.
 void add_between(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence, const ScenePlane& plane,
                  std::span<const StillPoint> explained_points, std::vector<StillPoint>& points) {
   double distance = 0;
@@ -158,7 +159,7 @@ void add_between(const Capture& capture, const DenseDepth& dense, const MovingEv
   for (const auto& row : of_row) points.insert(points.end(), row.begin(), row.end());
 }
 
-// Pixels with a marked one (`grow`), or without an unmarked one (not `grow`), at most `by` away.
+// Dilates (`grow`) or erodes the mask by `by` pixels.
 std::vector<uint8_t> moved_rim(const std::vector<uint8_t>& marked, int width, int height, int by, bool grow) {
   std::vector<uint8_t> result(marked.size());
   for (int y = 0; y < height; ++y)
@@ -197,7 +198,7 @@ std::vector<uint8_t> shown(const View& view, std::span<const StillPoint> points,
   hit = moved_rim(moved_rim(hit, k.width, k.height, 1, true), k.width, k.height, 1, false);  // closes pinholes
   for (size_t i = 0; i < evidence.pixels.size(); ++i)
     if (evidence.pixels[i] == Evidence::Moves) hit[i] = 0;
-  // Beside the object nothing ends: the rim that counts is that of both together.
+  // The boundary is that of the union with the object; between both there is none.
   std::vector<uint8_t> both = hit;
   for (size_t i = 0; i < object.size(); ++i) both[i] |= object[i] >= 128;
   const std::vector<uint8_t> inner = moved_rim(both, k.width, k.height, kBorder, false),

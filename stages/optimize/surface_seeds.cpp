@@ -10,7 +10,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kSeedCells = 128;  // along the longest side of all shapes
-constexpr double kCrowd = 6;        // seeds of appendages in place of one
+constexpr double kCrowd = 6;        // density factor of appendages
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// Points on the shapes of glass and mirrors (core/scene/objects), where surfels are put when their layer begins: neither has a texture
-// that stays on it, and only its silhouette fixes its place.
+// Sample points on the shapes of glass and mirrors (core/scene/objects), for the surfels that are placed when their layer begins.
+// Both are textureless; only their silhouettes determine their position.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,17 @@ namespace vitrine {
 
 struct SurfaceSeed {
   Vec3f position, normal;  // outwards, unit
-  bool known = false;      // to a fraction of a pixel (ShapeSet::Entry::exact); or on a visual hull, which wavers
-  float apart = 1;         // distance to its neighbours, of the spacing
+  bool known = false;      // accurate to a fraction of a pixel (ShapeSet::Entry::exact); false on a visual hull, which is
+                           // inaccurate
+  float apart = 1;         // distance to its neighbours, relative to the spacing
 };
 struct SurfaceSeeds {
   std::vector<SurfaceSeed> points;
-  float spacing = 0;  // of most of them, scene units
+  float spacing = 0;  // typical distance of neighbours, scene units
 };
 
-// Evenly by area, 1/128 of the longest side of all shapes apart; appendages, which bend faster than what they stand
-// out of, have six for one, without those inside their parent.
+// Samples uniformly by area, 1/128 of the longest side of all shapes apart. Appendages, which curve more than their parent, get
+// six times as many; points inside the parent are dropped.
 SurfaceSeeds surface_seeds(const ShapeSet& shapes);
 
 }  // namespace vitrine

@@ -15,8 +15,8 @@ namespace vitrine {
 namespace {
 
 constexpr double kMostOutside = 0.1, kMostDissent = 0.1;
-constexpr double kMostlyStill = 0.4;  // of the pixels around the object: then no sparse point is needed to know
-constexpr double kLeastStill = 0.05;  // of the pixels around the object: less is not worth a part of the scene
+constexpr double kMostlyStill = 0.4;  // of the pixels around the object: enough to decide without sparse points
+constexpr double kLeastStill = 0.05;  // of the pixels around the object: a smaller static part is not trained
 
 enum class Seen : unsigned char { Not, Inside, Outside };
 
@@ -32,8 +32,8 @@ Seen seen(const Capture& capture, const Targets& targets, size_t photo, const Ve
   return mask[pixel] >= 128 ? Seen::Inside : Seen::Outside;
 }
 
-// The object's masks widened by what stands still with it (`shown`, at the level of the depth maps); its rim is ignored. Where a
-// photo has no mask, what is not known to stand still is ignored.
+// Widens the object masks by the static mask (`shown`, at the level of the depth maps); its boundary is ignored. In photos
+// without an object mask, all pixels outside the static mask are ignored.
 void widen_masks(const Capture& capture, const std::vector<uint8_t>& shown, size_t shown_level, size_t photo, Targets& targets) {
   const Intrinsics& from = capture.photos[photo].levels[shown_level].view.intrinsics;
   ImageF still(from.width, from.height, 1), rim(from.width, from.height, 1);
@@ -95,7 +95,7 @@ Surroundings surroundings_to_train(WantedSurroundings wanted, const Passes& pass
     shown_in[i] = shown(capture.photos[i].levels[depth.level].view, points,
                         targets.photos[i][depth.level].masks[size_t(MaskClass::Object)], evidence.photos[i]);
   });
-  // White paper between pencil marks is alike in place, too, without moving.
+  // White paper between pencil marks also looks constant in place without moving.
   size_t still = 0;
   for (uint32_t v : capture.train) {
     const PhotoEvidence& of = evidence.photos[v];
@@ -112,7 +112,7 @@ Surroundings surroundings_to_train(WantedSurroundings wanted, const Passes& pass
       "{:.1f} % of the sightings of sparse points lie outside the masks",
       100 * share, 100 * double(counts.in_place + counts.plain) / double(std::max<size_t>(counts.all, 1)),
       100 * double(counts.unexplained) / double(std::max<size_t>(counts.all, 1)), 100 * outside);
-  // Before a plain backdrop with a plate that has hardly a point, what seems explained beside the object is chance.
+  // On a plain backdrop with almost no sparse points on the plate, static evidence next to the object is noise.
   const bool by_points = outside >= kMostOutside || counts.moving_by_texture();
   if (share < kLeastStill || !by_points) return {Trained::ObjectAlone, figures};
   for (size_t i = 0; i < shown_in.size(); ++i) widen_masks(capture, shown_in[i], depth.level, i, targets);

@@ -13,9 +13,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInSolid = 0.1;     // opacity, at most, of what straight rays have put into a block of glass
+constexpr double kInSolid = 0.1;     // largest initial opacity of surfels inside solid glass that were trained with straight rays
 constexpr double kNoise = 0.2;       // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
-constexpr double kNoiseScale = 5e5;  // its strength per unit of the position's rate there
+constexpr double kNoiseScale = 5e5;  // strength of the noise per unit of the position rate in that paper
 
 ImageOptions options_at(const PhaseClock& clock, const OptimizeConfig& c, int sh_degree) {
   return clock.image_options(c.shading, c.backend, sh_degree);
@@ -45,11 +45,11 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       background_(background),
       sheets_(trains_sheets(setup.config, setup.shapes) && setup.layers.transmittance),
       initial_surfels_(scene_.diffuse.size()) {
-  // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
+  // Never relocate transmittance surfels for low weight: held-out views may see them.
   densify_behind_glass_.idle_weight = 0;
 }
 
-// Room is left for hulls until their phases have begun.
+// Reserves surfels for visual hulls until their phases begin.
 size_t Trainer::diffuse_cap() const {
   const size_t all = cap(LayerKind::Diffuse);
   size_t room = 0;
@@ -74,22 +74,21 @@ StepPlan Trainer::plan() {
   if (fraction() >= config().phases.joint.from) judge_layers();
   const OptimizeConfig& c = config();
   const PhaseClock clock = this->clock();
-  StepPlan plan{
-      .fraction = fraction(),
-      .level = fraction() < c.resolution.quarter_until ? 2u
-               : fraction() < c.resolution.half_until  ? 1u
-                                                       : 0u,
-      .image = image_options(),
-      .rarest = float(c.rates.rarest),
-      .withheld = judged_ ? std::span<const uint8_t>() : setup_.judges,
-      // What is guessed where no photo looks stays as guessed: its rims, which photos do see, would drift off into the gaps.
-      .untrained = unseen_surfels_,
-      .shapes = fraction() >= c.phases.reflection.surface_from ? &shapes_ : nullptr,
-      .shape_rates = clock.shape_rates(),
-      // Masks of glass ask only when there is a layer behind it. Sheets ask by themselves.
-      .glass_sends_rays = begun(LayerKind::Transmittance) && !sheets_,
-      .known_gloss = known_gloss_.empty() ? nullptr : &known_gloss_,
-      .gloss_factor = static_cast<float>(c.phases.reflection.known_factor)};
+  StepPlan plan{.fraction = fraction(),
+                .level = fraction() < c.resolution.quarter_until ? 2u
+                         : fraction() < c.resolution.half_until  ? 1u
+                                                                 : 0u,
+                .image = image_options(),
+                .rarest = float(c.rates.rarest),
+                .withheld = judged_ ? std::span<const uint8_t>() : setup_.judges,
+                // Inpainted surfels are not trained: their edges, which photos see, would drift into the gaps.
+                .untrained = unseen_surfels_,
+                .shapes = fraction() >= c.phases.reflection.surface_from ? &shapes_ : nullptr,
+                .shape_rates = clock.shape_rates(),
+                // Masked glass sends rays only if the transmittance layer exists. Thin glass of known shape always sends rays.
+                .glass_sends_rays = begun(LayerKind::Transmittance) && !sheets_,
+                .known_gloss = known_gloss_.empty() ? nullptr : &known_gloss_,
+                .gloss_factor = static_cast<float>(c.phases.reflection.known_factor)};
   for (LayerKind kind : kAllLayers) plan.rates[static_cast<size_t>(kind)] = clock.rates(kind, c.rates, kSceneRadius);
   if (setup_.layers.reflection && !begun(LayerKind::Reflection))
     plan.specular_weight = static_cast<float>(c.phases.diffuse.specular_weight);
@@ -145,8 +144,8 @@ void Trainer::begin_sheets() {
 
 void Trainer::bend_in_solids() { solids_ = shapes_.set() ? solid_glass(*shapes_.set()) : nullptr; }
 
-// Straight rays paint a picture of the bent room into a block of glass, which bent rays meet as fog before the room itself. A
-// thing that is cast into the glass grows again.
+// Straight rays paint a picture of the refracted room into solid glass, which refracted rays meet as fog in front of the room.
+// Lowers the opacity of surfels inside the glass; an object cast into the glass grows again.
 void Trainer::doubt_content_of_solids() {
   if (!solids_) return;
   const float doubted = raw_value(row(Attribute::Opacity).activation, float(kInSolid));
@@ -157,11 +156,11 @@ void Trainer::doubt_content_of_solids() {
   }
 }
 
-// Glass and gloss of the photos that judge are learnt from for the rest of the run.
+// Adds the withheld specular pixels of the validation photos to training for the rest of the run.
 void Trainer::judge_layers() {
   if (judged_ || scene_.opaque.size() == 0) return;
   for (LayerKind kind : kAllLayers)
-    if (setup_.layers.has(kind) && !begun(kind)) return;  // its shapes are not known yet
+    if (setup_.layers.has(kind) && !begun(kind)) return;  // the shapes of the layer are not known yet
   judged_ = 1;
   ImageOptions options = image_options();
   options.surface.ray_budget = 0;
@@ -178,7 +177,7 @@ void Trainer::finish() {
            counts.moved);
 }
 
-// A layer begins with what the diffuse layer knows at that moment.
+// Each layer starts from the current state of the diffuse layer.
 void Trainer::begin_phases() {
   const PhaseClock clock = this->clock();
   const LayerInitDesc desc = init_desc();
@@ -203,10 +202,10 @@ void Trainer::begin_phases() {
     shapes_.add(std::move(known));
     training(kind).restart(scene_.layer(kind));
   }
-  if (changed) training(LayerKind::Diffuse).restart(scene_.diffuse);  // other surfels, other attributes
+  if (changed) training(LayerKind::Diffuse).restart(scene_.diffuse);  // the surfels changed: reset the optimiser state
 }
 
-// When surfels are no longer moved, which would take away those that no photo needs, nor handed to other layers.
+// Runs when densification has ended: relocation would remove surfels that no photo needs, or move them to other layers.
 void Trainer::fill_unseen() {
   if (!config().fill_unseen || setup_.object_alone || filled_ || fraction() < config().densify.until) return;
   for (LayerKind kind : kAllLayers)

@@ -1,4 +1,4 @@
-// The training of the optimize stage: the loop of core/learn/trainer, the phases in which its layers begin, and the growth of each.
+// Training loop of the optimize stage: phases in which the layers begin, and growth of each layer (loop: core/learn/trainer).
 #pragma once
 
 #include <array>
@@ -13,46 +13,48 @@
 
 namespace vitrine {
 
-// What a run is about; everything must outlive the trainer.
+// Inputs of a run; everything must outlive the trainer.
 struct TrainerSetup {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
-  const ShapeSet& shapes;  // that the image formation draws (ObjectSet::drawn_shapes)
-  const ShapeSet& glass;   // of all glass, visual hulls among them
+  const ShapeSet& shapes;  // rendered by the image formation (ObjectSet::drawn_shapes)
+  const ShapeSet& glass;   // shapes of all glass, including visual hulls
   LayerChoice layers;
   bool object_alone = false;             // (surroundings.h)
-  std::span<const uint8_t> judges = {};  // [photo] of a scene with an opaque twin (opaque_twin.h)
+  std::span<const uint8_t> judges = {};  // [photo] validation photos of a scene with an opaque twin (opaque_twin.h)
 };
 
 class Trainer : public Training {
  public:
-  // `planes`, `background`: the large planes of the scene and the distance of its sky, where what no photo shows is guessed
-  // (plane_inpainting.h).
+  // `planes`, `background`: the large planes of the scene and the distance of its sky, for inpainting (plane_inpainting.h).
   Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes, double background = 0);
 
   const LayerChoice& layers() const { return setup_.layers; }
-  size_t from_behind_glass() const { return from_behind_glass_; }  // surfels that went to the diffuse layer (plane_inpainting.h)
-  size_t unseen_surfels() const { return unseen_surfels_; }        // for what no photo shows (plane_inpainting.h), beyond the cap
-  size_t initial_surfels() const { return initial_surfels_; }      // that training started from
-  static size_t cap(const TrainerSetup& setup, LayerKind kind);    // most surfels the layer may grow to
+  size_t from_behind_glass() const { return from_behind_glass_; }  // surfels moved to the diffuse layer (plane_inpainting.h)
+  size_t unseen_surfels() const {
+    return unseen_surfels_;
+  }                                                              // for unobserved regions (plane_inpainting.h), in addition to
+                                                                 // the cap
+  size_t initial_surfels() const { return initial_surfels_; }    // at the start of training
+  static size_t cap(const TrainerSetup& setup, LayerKind kind);  // largest number of surfels of the layer
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
-  void set_opaque_twin(SplatLayer twin) { scene_.opaque = std::move(twin); }  // of the layers, before their first step
-  // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays, and blended with the opaque
-  // twin once the layers are judged; `layers`: taken apart too.
+  void set_opaque_twin(SplatLayer twin) { scene_.opaque = std::move(twin); }  // twin of the layers, before their first step
+  // Renders one photo's view at full size with all rays (frame.srgb is the photo), and blends it with the opaque twin once the
+  // layer shares are known; `layers`: also renders each layer separately.
   void picture(uint32_t photo, bool layers, Frame& frame) const;
 
-  // Of the passes at this moment.
+  // Image options at this moment.
   ImageOptions image_options() const;
 
-  // After the last step: the layers are judged, if they were not; glass that was trained without surfels gets those that other
-  // stages and programs read, and what is seen through it alone becomes the transmittance layer. Pictures stay the same.
+  // After the last step: determines the layer shares if that is still open. Glass trained without surfels gets the surfels that
+  // other stages read, and content seen only through it becomes the transmittance layer. Pictures do not change.
   void finish();
 
  private:
   StepPlan plan() override;
-  void end_step() override;  // surfels move
+  void end_step() override;  // relocates and adds surfels
   void transfer(Archive& archive) override;
 
   const OptimizeConfig& config() const { return setup_.config; }
@@ -74,13 +76,13 @@ class Trainer : public Training {
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
   double background_;
-  std::shared_ptr<const ThickGlass> solids_;  // of shapes_, which do not move
-  ShapeTraining shapes_;                      // that mirror, and sheets of glass
-  KnownSurface known_gloss_;                  // of what reflects
-  uint8_t filled_ = 0;                        // what no photo shows
-  uint8_t judged_ = 0;                        // the layers, against the opaque twin
-  bool sheets_;                               // glass is drawn from its shapes
-  size_t glass_surfels_ = 0;                  // that carry it, after finish(): the last ones of the diffuse layer
+  std::shared_ptr<const ThickGlass> solids_;  // from shapes_, which do not move
+  ShapeTraining shapes_;                      // mirrors and thin glass
+  KnownSurface known_gloss_;                  // of mirrors
+  uint8_t filled_ = 0;                        // unobserved regions are inpainted
+  uint8_t judged_ = 0;                        // layer shares against the opaque twin are known
+  bool sheets_;                               // thin glass is rendered from its shapes
+  size_t glass_surfels_ = 0;                  // number of glass surfels after finish(): the last ones of the diffuse layer
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSweeps = 300;
 constexpr double kOverrelaxed = 1.8;
-constexpr int kLargest = 16;  // cells along the side of a surfel that has no detail to show
+constexpr int kLargest = 16;  // largest side in cells of a surfel in a region without detail
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void UnobservedCells::for_neighbours(size_t cell, const Visit& visit) const {
   if (y + 1 < size_t(surface_.rows)) visit(cell + columns);
 }
 
-// Colours of unseen cells: the nearest seen cell's first, then the solution of Laplace's equation.
+// Fills unseen cells with the colour of the nearest seen cell, then solves Laplace's equation.
 void UnobservedCells::close_gaps(double reach) {
   std::vector<size_t> front, gaps;
   for (size_t c = 0; c < cells_.size(); ++c)

@@ -35,10 +35,7 @@ Stage refine_stage() {
   });
 }
 
-// Cost estimate and report figures of the refine stage.
-
-// Glass alone gives it anything to do; what masks hold, and whether there will be anything to train on, is not known before: at
-// most so much.
+// Upper bound: the stage works on glass only, and the content of the masks is unknown before the run.
 StageCost refine_cost(const CostTerms& t) {
   if (!t.capture.masks) return stage_cost(0.1, 0.5, 90, 0.1);
   const double steps = t.number("refine.fine_tune.iterations");

@@ -11,9 +11,9 @@ namespace {
 
 constexpr size_t kGrain = 1 << 14;  // floats
 constexpr uint64_t kSeed = 1;
-constexpr double kAverageFrom = 0.25;  // part of the steps after which scenes count in the mean
+constexpr double kAverageFrom = 0.25;  // fraction of the steps after which scenes enter the mean
 
-// Everything that masks mark sends rays, but for coats; losses and rates are those of a training's end.
+// All masked pixels except coats send rays; losses and rates are those at the end of training.
 StepPlan plan_of(const FineTuneConfig& config, const TrainedScene& start) {
   StepPlan plan{.image = start.image,
                 .rarest = float(config.rates.rarest),
@@ -41,7 +41,7 @@ void describe(Describer& d, FineTuneConfig& c) {
 GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after) {
   std::vector<double> way;
   for (size_t i = 0; i < before.size(); ++i) {
-    if (!(*before.at(Attribute::Transmission, i) > 0)) continue;  // raw: tau > 1/2
+    if (!(*before.at(Attribute::Transmission, i) > 0)) continue;  // raw value: tau > 1/2
     const float *a = before.at(Attribute::Mean, i), *b = after.at(Attribute::Mean, i);
     way.push_back(length(Vec3d{double(b[0]) - double(a[0]), double(b[1]) - double(a[1]), double(b[2]) - double(a[2])}));
   }

@@ -12,11 +12,11 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kVoteGrain = 256;
-constexpr uint32_t kLeastEmpty = 2;   // photos that show the space around a removed surfel to be empty,
-constexpr double kEmptyShare = 0.25;  // and their share of the photos that see its place
-constexpr double kInsideShare = 0.5;  // of the rays through closed glass that pass a surfel which stays behind glass
-constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger one counts
-constexpr float kReach = 2;                              // a surfel reaches so many of its scales from its centre
+constexpr uint32_t kLeastEmpty = 2;   // a surfel is removed if at least this many photos show empty space there,
+constexpr double kEmptyShare = 0.25;  // and at least this share of the photos that see its position
+constexpr double kInsideShare = 0.5;  // share of the rays through closed glass that pass a surfel inside or behind the glass
+constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger of both
+constexpr float kReach = 2;                              // extent of a surfel in scales
 
 void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, SurfelVotes& votes) {
   const auto p = image_point(point, *v.view);
@@ -31,10 +31,10 @@ void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, Surf
       ++votes.seen;
     return;
   }
-  if (!(v.glass[i] > 0.5f)) return;  // a rim: half glass
+  if (!(v.glass[i] > 0.5f)) return;  // edge pixel, partly glass
   const float t = float(length(v.view->cam_from_world * point));
   const bool split = v.split(i);
-  // Without a mesh to agree with, the G-buffer alone does not clear the space before glass.
+  // Without a matching mesh, the G-buffer alone does not show that the space in front of glass is empty.
   if (split && t < v.segments.front[i] - margin) {
     ++votes.empty;
     return;

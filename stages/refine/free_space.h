@@ -18,7 +18,7 @@ struct SurfelVotes {
 std::vector<SurfelVotes> surfel_votes(const SplatLayer& layer, std::span<const GlassView> views, const GlassMesh& mesh);
 
 bool stands_in_empty_space(const SurfelVotes& v);
-// Only rays that have left closed glass pass it.
+// True if all rays that pass it have left closed glass.
 bool stands_beyond(const SurfelVotes& v);
 
 }  // namespace vitrine

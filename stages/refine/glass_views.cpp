@@ -9,7 +9,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kLeastAlpha = 0.5f, kClear = 0.5f, kHardlyClear = 0.1f;  // of the coverage; of tau
+constexpr float kLeastAlpha = 0.5f, kClear = 0.5f, kHardlyClear = 0.1f;  // coverage; tau; tau
 
 }  // namespace
 

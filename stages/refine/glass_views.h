@@ -1,4 +1,4 @@
-// What the stage knows of every photo: its G-buffer, which pixels are glass, and the segments of their rays.
+// Per-photo data of the refine stage: G-buffer, glass pixels, and glass segments of their rays.
 #pragma once
 
 #include "core/render/model/glass_segments.h"
@@ -9,11 +9,11 @@
 namespace vitrine {
 
 struct GlassView {
-  uint32_t photo = 0;                // of the capture
+  uint32_t photo = 0;                // index in the capture
   const View* view = nullptr;        // at the size of the maps
   std::vector<float> zdepth = {};    // [h,w] of the G-buffer, 0 = no surface
-  std::vector<float> glass = {};     // [h,w] 1 = glass by the photo's mask, or by the surfels where it has none
-  std::vector<uint8_t> opaque = {};  // [h,w] neither mask nor surfels say glass
+  std::vector<float> glass = {};     // [h,w] 1 = glass in the photo's mask, or in the surfels if there is no mask
+  std::vector<uint8_t> opaque = {};  // [h,w] glass neither in the mask nor in the surfels
   GlassSegments segments = {};
   bool split(size_t pixel) const { return segments.trusted && is_split(segments.kind[pixel]); }
 };
@@ -26,7 +26,7 @@ struct GlassViewsDesc {
   GlassSegmentsDesc segments;
   size_t level = 1;  // of the pyramid
 };
-// Of the photos of the list. The first-named photo first.
+// Views of the listed photos, in the order of the list.
 std::vector<GlassView> glass_views(const GlassViewsDesc& desc, std::span<const uint32_t> photos);
 
 }  // namespace vitrine

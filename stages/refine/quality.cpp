@@ -13,7 +13,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kFewestPixels = 64;  // of a region, as the evaluation has it
+constexpr double kFewestPixels = 64;  // of a region, as in the evaluation
 
 }  // namespace
 

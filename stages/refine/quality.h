@@ -1,4 +1,4 @@
-// How well a scene shows photos: PSNR inside the glass, outside it, and of whole photos.
+// PSNR of a scene on photos: inside the glass, outside it, and overall.
 #pragma once
 
 #include "core/render/picture/trained_scene.h"
@@ -8,11 +8,11 @@
 namespace vitrine {
 
 struct Quality {
-  double glass = 0, rest = 0, all = 0;  // dB, mean over the photos that have such pixels; 0 without any
+  double glass = 0, rest = 0, all = 0;  // dB, mean over the photos with such pixels; 0 without any
 };
 
-// Photos at full size of the capture, and which of their pixels are glass: by their masks, else where the scene's surfels are
-// transparent. Whatever becomes of the scene, the pixels stay the same; pixels that the masks say to ignore are not among them.
+// Photos at full capture size with their glass pixels: from the masks, else where the scene's surfels are transparent. The pixels
+// stay fixed for all measured scenes; ignored pixels are excluded.
 class QualityMeter {
  public:
   QualityMeter(const TrainedScene& scene, const Capture& capture, const Targets& targets, std::span<const uint32_t> photos);
@@ -22,7 +22,7 @@ class QualityMeter {
   const Capture& capture_;
   std::vector<uint32_t> photos_;
   std::vector<std::vector<uint8_t>> glass_;    // [photo][h,w]
-  std::vector<std::vector<uint8_t>> ignored_;  // [photo][h,w] or empty: pixels of 128 and more do not count
+  std::vector<std::vector<uint8_t>> ignored_;  // [photo][h,w] or empty: values of 128 and more are ignored
 };
 
 }  // namespace vitrine

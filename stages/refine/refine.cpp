@@ -24,16 +24,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMapLevel = 1;            // of the pyramid: segments at half size
-constexpr double kMostMotionVoxels = 0.5;  // of glass off its mesh that no picture shows
-constexpr double kLeastGain = 0.01;        // dB in glass of held-out photos; with less the scene stays as it was
-constexpr double kMostLoss = 0.005;        // dB of whole photos that noise may cost
-constexpr float kLeastAgreement = 0.8f;    // share of a photo's glass on which mesh and rendered depth must agree
+constexpr size_t kMapLevel = 1;            // pyramid level: segments at half size
+constexpr double kMostMotionVoxels = 0.5;  // largest displacement of glass from its mesh without visible effect
+constexpr double kLeastGain = 0.01;        // dB in glass of held-out photos; with less, the scene is unchanged
+constexpr double kMostLoss = 0.005;        // dB of whole photos: tolerated noise
+constexpr float kLeastAgreement = 0.8f;    // share of a photo's glass with consistent mesh and rendered depth
 constexpr const char* kGlassWords[] = {"auto", "thin", "thick"};
 
 Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
 
-// Edge of the voxels that the mesh was made from.
+// Voxel edge length of the mesh.
 float voxel_of(const fs::path& mesh) {
   double voxel = 0;
   read_json_file(mesh / "mesh" / "grid.json", "grid of the mesh", [&](const nlohmann::json& j) {
@@ -49,7 +49,7 @@ struct Candidate {
   Quality heldout = {};
 };
 
-// The chosen photos, in the split that the scene was trained with.
+// The selected photos, with the train/held-out split of the training.
 Capture capture_of(const RefineConfig& config, const StageContext& context) {
   const fs::path optimize = context.input("optimize");
   const ViewSplit split = read_view_split(optimize / "optimize" / "views.json", load_view_set(context.input("sfm")).views);
@@ -80,10 +80,10 @@ class Refiner {
         targets_(load_targets(capture_, context.optional_input("masks"), objects_, std::nullopt)),
         mesh_(read_mesh_ply(context.input("mesh") / "mesh" / "mesh.ply"), scene_.surfels.diffuse,
               voxel_of(context.input("mesh"))),
-        // A scene trained on all photos is judged by them.
+        // A scene trained on all photos is evaluated on them.
         judges_(capture_.heldout.empty() ? capture_.train : capture_.heldout) {
     leave_out_what_was_not_trained();
-    targets_.forget(MaskClass::Object);  // its loss is for objects that are trained alone, by the optimize stage
+    targets_.forget(MaskClass::Object);  // the object loss is only for objects trained alone, by the optimize stage
     for (const TargetProblem& problem : targets_.warnings) context.warning(problem.code, problem.text);
   }
 
@@ -104,7 +104,7 @@ class Refiner {
       step(0.05 + 0.05 * double(i) / double(candidates_.size()), candidates_[i].name);
       candidates_[i].heldout = meter.of(candidates_[i].scene);
     }
-    // A scene as optimize left it was trained to its end: more steps were never worth their time (README.md).
+    // An unchanged scene has converged: more steps never paid off (README.md).
     if (config_.fine_tune.iterations > 0 && (best() || config_.fine_tune.unchanged)) {
       Candidate tuned = fine_tuned(best());
       tell_motion(glass_motion(scene_.surfels.diffuse, tuned.scene.surfels.diffuse));
@@ -115,7 +115,7 @@ class Refiner {
   }
 
  private:
-  // A scene that was trained inside the masks of an object holds nothing else, and is refined and measured there alone.
+  // A scene trained inside object masks contains nothing else: refines and evaluates only inside them.
   void leave_out_what_was_not_trained() {
     const fs::path optimize = context_.input("optimize") / "optimize";
     if (!read_view_split(optimize / "views.json", capture_.view_set.views).object_alone) return;
@@ -151,12 +151,12 @@ class Refiner {
                                    t.fallback_views, t.views));
   }
 
-  // Which pieces of glass are solid, and with them the scene that all candidates begin with.
+  // Determines the regions of solid glass and the scene that all candidates start from.
   void decide_thickness() {
     Json& report = report_["glass"] = {{"mode", kGlassWords[static_cast<size_t>(config_.glass)]}};
     start_ = scene_;
-    if (bends(scene_)) return;  // trained so: the shape of what is solid is known
-    // Rays that leave thick glass see the room, which traced glass with a set of its own outside does not show.
+    if (bends(scene_)) return;  // trained with refraction: the solid shapes are known
+    // Rays that leave solid glass need the room; thin glass with its own exterior layer does not show it.
     const bool room = scene_.image.transmission.glass == Glass::Thin || config_.exterior_set != ExteriorSet::Transmittance;
     if (config_.glass == GlassKind::Thin || !room) return;
     const float ior = static_cast<float>(config_.ior);
@@ -186,7 +186,7 @@ class Refiner {
   }
 
   static bool bends(const TrainedScene& scene) { return scene.image.transmission.thick != nullptr; }
-  // By the option, or by the role of an object.
+  // Solid glass set by the option or by the role of an object.
   bool forced() const { return (config_.glass == GlassKind::Thick || given_solid_) && bends(start_); }
 
   void find_candidates() {
@@ -207,7 +207,7 @@ class Refiner {
       Candidate c{.name = name, .what = what, .scene = start_};
       c.scene.surfels.transmittance = kept_surfels(layer, keep);
       c.scene.image.transmission.glass = glass;
-      // Without a surfel there would be no layer, and glass would show nothing of the room.
+      // Without surfels there would be no transmittance layer, and glass would not show the room.
       if (c.scene.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
     };
     if (bends(start_)) {
@@ -220,12 +220,12 @@ class Refiner {
     }
     if (empty > 0 && config_.exterior_set != ExteriorSet::Diffuse)
       add("free_space", "without surfels in empty space", filled, start_.image.transmission.glass);
-    // Rays of traced glass see the transmittance layer alone; sorted into sets, the room behind is the diffuse layer's.
+    // Rays through glass see only the transmittance layer; after sorting, the room behind is in the diffuse layer.
     if ((beyond > 0 || traced) && config_.exterior_set != ExteriorSet::Transmittance)
       add("exterior_diffuse", "the room behind closed glass is the diffuse layer's", within, Glass::Thin);
   }
 
-  // Trained on from the best of the scenes so far.
+  // Fine-tunes the best scene so far.
   Candidate fine_tuned(const Candidate* from) {
     const FineTuneConfig& config = config_.fine_tune;
     const fs::path checkpoint = context_.scratch() / "checkpoint.bin";
@@ -237,7 +237,7 @@ class Refiner {
     run->run({.checkpoint = checkpoint,
               .checkpoint_every = config.checkpoint_every,
               .after_step =
-                  [&] {  // not through step(): that would stop here without the checkpoint
+                  [&] {  // not through step(), which would stop without writing the checkpoint
                     context_.progress({.fraction = fraction(),
                                        .text = fmt::format("step {}/{}", run->step_index(), config.iterations),
                                        .values = {}});
@@ -253,7 +253,7 @@ class Refiner {
     return tuned;
   }
 
-  // Rays follow the mesh that was made before; it is true as long as glass stays where it was.
+  // Reports the displacement of glass: rays use the earlier mesh, which is valid only if the glass has not moved.
   void tell_motion(const GlassMotion& motion) {
     const double voxel = double(mesh_.voxel);
     report_["moved_voxels"] = {{"median", rounded(motion.median / voxel)}, {"p95", rounded(motion.p95 / voxel)}};
@@ -268,7 +268,7 @@ class Refiner {
     if (forced()) return bends(c.scene);
     return c.heldout.glass >= before_.glass + kLeastGain && c.heldout.all >= before_.all - kMostLoss;
   }
-  // nullptr: the scene as it was.
+  // nullptr: the unchanged scene.
   const Candidate* best() const {
     const Candidate* best = nullptr;
     for (const Candidate& c : candidates_)
@@ -334,7 +334,7 @@ class Refiner {
   const GlassMesh mesh_;
   const std::vector<uint32_t> judges_;
   std::vector<GlassView> views_;
-  TrainedScene start_;          // with thick glass, if any
+  TrainedScene start_;          // with solid glass, if any
   std::vector<uint8_t> thick_;  // [regions of the mesh]
   bool given_solid_ = false;    // an object of the table is solid glass
   std::vector<Candidate> candidates_;
@@ -347,7 +347,7 @@ class Refiner {
 void run_refine(const RefineConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   TrainedScene scene = read_trained_scene(context.input("optimize"));
-  scene.surfels.opaque = {};  // the layers are judged by themselves
+  scene.surfels.opaque = {};  // the layers are evaluated without the opaque twin
   if (scene.surfels.transmittance.size() == 0) {
     const std::string why = "nothing to refine: no transmittance layer";
     write_file(context.output() / "refine/report.json", Json{{"state", "nothing"}, {"why", why}}.dump(2) + "\n");

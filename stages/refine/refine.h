@@ -1,8 +1,8 @@
-// The refine stage: what stands behind glass, put in order with the help of the mesh (algorithms 5.2, 5.3).
+// The refine stage: correction of the content behind glass with the mesh (algorithms 5.2, 5.3).
 //   reads   sfm, optimize, mesh, masks when there are any
-//   writes  refine/{report.json,segments.png}; where the scene became better refine/gaussians/*.ply and refine/model.json
-// Interrupted while it trains it continues from its last checkpoint and ends with the same bytes. Every change is measured on the
-// photos that training never saw; a scene that does not gain by it stays as it is.
+//   writes  refine/{report.json,segments.png}; refine/gaussians/*.ply and refine/model.json if the scene improved
+// Interrupted training continues from the last checkpoint and ends with the same bytes. Every change is evaluated on held-out
+// photos; a scene without improvement is unchanged.
 #pragma once
 
 #include <string>

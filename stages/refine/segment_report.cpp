@@ -70,7 +70,7 @@ void write_segments_picture(const std::filesystem::path& path, std::span<const G
   ContactSheet sheet(kColumns, kSheetCell);
   std::vector<float> photo;
   for (size_t n = 0; n < count; ++n) {
-    const GlassView& v = *shown[n * shown.size() / count];  // spread over the capture
+    const GlassView& v = *shown[n * shown.size() / count];  // uniformly over the capture
     decode(capture.photos[v.photo].levels[level], photo);
     const int w = v.view->intrinsics.width, h = v.view->intrinsics.height;
     const size_t pixels = size_t(w) * size_t(h);

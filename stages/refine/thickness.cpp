@@ -17,9 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kFewestWitnesses = 64;  // that speak for a region
-constexpr double kClearly_db = 0.2;      // by which bent rays must be better
-constexpr size_t kMostLogged = 4;        // regions; the report has all
+constexpr size_t kFewestWitnesses = 64;  // minimum pixels per region
+constexpr double kClearly_db = 0.2;      // minimum advantage of refracted rays
+constexpr size_t kMostLogged = 4;        // regions; the report contains all
 constexpr float kInvisible = -20;        // raw opacity
 constexpr size_t kSurfelGrain = 256;
 
@@ -32,7 +32,7 @@ double squared_error(const Frame& frame, std::span<const float> photo, size_t pi
   return sum / 3;
 }
 
-// One way to show the photos: a scene and its last picture.
+// Rendering hypothesis: a scene and its last picture.
 struct Hypothesis {
   TrainedScene scene;
   LayeredModel model;
@@ -113,7 +113,7 @@ TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::sp
   if (auto thick = thick_glass(mesh, chosen, ior)) {
     scene.image.transmission.glass = Glass::Thin;
     scene.image.transmission.thick = std::move(thick);
-    if (const auto& set = scene.image.shape.set)  // a block of glass, not a case of panes
+    if (const auto& set = scene.image.shape.set)  // solid glass, not a case of panes
       scene.image.shape.set = std::make_shared<const ShapeSet>(set->no_glass());
   }
   return scene;
