@@ -14,7 +14,7 @@ namespace {
 constexpr int kRounds = 12;              // of k-means
 constexpr size_t kNear = 12, kFar = 24;  // partners of a point
 constexpr float kFarWeight = 0.5f;
-constexpr float kChromaSigma = 0.03f;  // r and g of r + g + b = 1 that differ by much more count as different paint
+constexpr float kChromaSigma = 0.03f;  // in r and g of r + g + b = 1: much larger differences mean different paint
 
 Vec2f chromaticity(const Vec3f& c) {
   const float sum = std::max(1e-6f, c.x + c.y + c.z);
@@ -34,7 +34,7 @@ struct Clusters {
 Clusters k_means(std::span<const Vec2f> chroma, int count, uint64_t seed) {
   const size_t k = std::min(size_t(count), chroma.size());
   std::vector<Vec2f> centres;
-  // The first at random, each further one far from those that are there.
+  // k-means++: the first centre at random, further ones far from the existing ones.
   Rng rng(seed, 0x6b6d65616e73);
   centres.push_back(chroma[rng.below(uint32_t(chroma.size()))]);
   std::vector<float> distance(chroma.size(), 1e30f);

@@ -1,5 +1,6 @@
-// Which points probably have the same albedo: neighbours of the same chromaticity, and points anywhere of the same cluster of
-// chromaticities (k-means). Light changes brightness much and chromaticity little, paint changes both.
+// Albedo affinity: pairs of points that probably have the same albedo. Partners are neighbours of the same chromaticity, and
+// points anywhere in the same chromaticity cluster (k-means). Light mainly changes brightness; paint changes brightness and
+// chromaticity.
 #pragma once
 
 #include <cstdint>

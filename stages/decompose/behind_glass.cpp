@@ -9,12 +9,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kOnSurfel = 2;          // voxels: points so near to a surfel of the layer speak of it
-constexpr float kContentReach = 6;      // voxels from a vertex to the point that has its radiance
+constexpr float kOnSurfel = 2;          // voxels: points within this distance of a surfel of the layer are used
+constexpr float kContentReach = 6;      // voxels from a vertex to the point that gives its radiance
 constexpr float kMostBackSides = 0.5f;  // of the rays of a point
-constexpr double kPointsShare = 0.4;    // of the work
+constexpr double kPointsShare = 0.4;    // of the progress
 
-// Everything but the glass; of glass that is traced, the transmittance layer.
+// The scene without glass; for traced glass, the transmittance layer.
 SplatLayer opened_layer(const TrainedScene& scene) {
   SplatScene parts{.diffuse = scene.surfels.diffuse, .transmittance = scene.surfels.transmittance};
   if (scene.image.transmission.glass != Glass::Thin) parts.diffuse.resize(0);
@@ -43,7 +43,7 @@ std::vector<Vec3f> positions_of(const std::vector<LitPoint>& points) {
   return out;
 }
 
-// The mesh of first surfaces with what stands behind its glass, in the colours of the nearest points.
+// Joins the mesh of first surfaces and the content behind glass, coloured from the nearest points.
 TriMesh with_content(const BehindGlassDesc& desc, const std::vector<LitPoint>& points) {
   TriMesh mesh = desc.first.mesh;
   const auto first = static_cast<uint32_t>(mesh.positions.size());

@@ -35,16 +35,18 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
-constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
+constexpr float kMaxInside = 0.5f;    // share of rays that meet back sides; above it the point is below the surface
+constexpr float kMaxSpecular = 0.3f;  // points that are more specular or transmissive are not used for the light
 constexpr float kMaxMasked = 0.5f;
-constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // radiances that a photo of 8 bits can tell
-constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as coarse as if there were so many points at most
-constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
+constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // usable radiance range of an 8-bit photo
+constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // outer voxels are sized for at most this many points on the
+                                                                // walls
+constexpr float kTrainedGloss = 0.05f;                          // specular weight from which the Fresnel term is fully trained
 constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
-constexpr double kTrainedShare = 0.5;  // of a card's box that the object alone may cover by chance
-constexpr double kPolishReach = 6;     // edges of the mesh, between polished faces and their surfels
+constexpr double kTrainedShare = 0.5;  // of a card's box: larger overlap with an object trained alone means that the scene
+                                       // contains the card
+constexpr double kPolishReach = 6;     // edges of the mesh, between specular faces and their surfels
 
 class Decomposition {
  public:
@@ -181,7 +183,7 @@ class Decomposition {
         materials_.albedo[i][c] = albedo_of(radiance[i][c], irradiance_[i][c]);
         materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
       }
-      // What no layer trained is a first guess, not a finding: matt and opaque.
+      // Without a reflection layer the initial values are not measurements: use matt and opaque.
       materials_.roughness[i] = reflects ? sigmoid(*layer.at(Attribute::Roughness, i)) : 1.f;
       materials_.specular_weight[i] = reflects ? sigmoid(*layer.at(Attribute::SpecularWeight, i)) : 0.f;
       materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
@@ -222,8 +224,8 @@ class Decomposition {
         materials_.albedo_behind_glass[i][c] = albedo_of(radiance[i][c], irradiance[i][c]);
   }
 
-  // Where no mask calls for gloss, a small specular weight is what training did not care about, and its f0 was never asked for:
-  // at grazing angles it would be seen under another light.
+  // Outside glass and mirror masks, small specular weights are noise and their f0 is untrained: at grazing angles they would be
+  // visible under another light.
   void dull_unmarked() {
     const bool marked = std::ranges::any_of(points_, [](const LitPoint& p) { return p.masked > kLeastMasked; });
     if (!marked) return;
@@ -239,7 +241,7 @@ class Decomposition {
     }
   }
 
-  // Mirrors have no paint; the gloss of a coat is none of the paint's.
+  // Sets the materials of mirrors and coats (metals.h).
   void polish(const std::vector<Vec3f>& radiance) {
     const fs::path sfm = context_.input("sfm");
     const Environment light(environment());
@@ -255,7 +257,7 @@ class Decomposition {
     polish_materials(found, scene_, radiance, materials_);
   }
 
-  // `scene`: radiances of the surfels. `small`: the view as large as pictures of the scene are.
+  // `scene`: radiances of the surfels. `small`: the view at the size of the rendered pictures.
   Vec3f albedo_in_photo(const View& view, const View& small, std::span<const Vec3f> scene) {
     const fs::path sfm = context_.input("sfm");
     const CardInPhoto found =
@@ -272,7 +274,7 @@ class Decomposition {
     return found.albedo;
   }
 
-  // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
+  // Scales the unclamped albedos: a surface above white by the convention may be grey.
   void match_card(std::span<const Vec3f> radiance) {
     View view = all_views_[card_->view];
     view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
@@ -362,7 +364,7 @@ class Decomposition {
   std::vector<Vec3f> sparse_;
   double voxel_ = 0, outer_voxel_ = 0, edge_ = 0;
   float sky_distance_ = 0;
-  std::vector<float> clear_;  // [vertices of the mesh] their transmission; empty: there is no glass
+  std::vector<float> clear_;  // [vertices of the mesh] transmission; empty: no glass
   std::vector<LitPoint> points_;
   std::vector<bool> usable_;
   Surroundings around_;
@@ -375,7 +377,7 @@ class Decomposition {
   std::vector<Vec3f> irradiance_;
   DecomposedMaterials materials_;
   std::vector<Polished> polished_;
-  bool object_alone_ = false, card_beside_ = false;  // the card is measured in the photo: the scene does not show it
+  bool object_alone_ = false, card_beside_ = false;  // the card is measured in the photo, outside the scene
   Vec3f card_gain_{1, 1, 1};
 };
 

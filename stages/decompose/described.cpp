@@ -1,4 +1,3 @@
-// Options, inputs, cost estimate and report figures of the decompose stage.
 #include "core/render/raster/renderer.h"
 #include "stages/decompose/decompose.h"
 

@@ -12,14 +12,15 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kDarkestCard = 0.004f;   // of a linear photo of 8 bits: darker is rounding
-constexpr float kBrightestCard = 0.95f;  // brighter is clipped
-constexpr double kLeastUsable = 0.5;     // of the box: the median of fewer is that of the darker ones
-constexpr size_t kFewestShared = 200;    // pixels of photo and scene
-constexpr float kGainError_log = 0.25f;  // of a photo's gain; a quarter of a stop is usual where a surface is not quite matt
-constexpr double kShortestUp = 0.2;      // mean cosine of the cameras' elevation; shorter: they look straight down
+constexpr float kDarkestCard = 0.004f;   // of a linear 8-bit photo: darker values are dominated by rounding
+constexpr float kBrightestCard = 0.95f;  // brighter values are clipped
+constexpr double kLeastUsable = 0.5;     // of the box: with fewer pixels the median would be biased to dark values
+constexpr size_t kFewestShared = 200;    // pixels with both photo and scene
+constexpr float kGainError_log = 0.25f;  // tolerance of a photo's gain; a quarter of a stop is usual for surfaces that are not
+                                         // quite matt
+constexpr double kShortestUp = 0.2;      // length of the mean up vector; shorter: the cameras look straight down
 
-// Calls `take` for the pixels of a picture of the view, at any size, that the box covers.
+// Calls `take` for the pixels inside the box, in a picture of the view at any size.
 template <class F>
 void for_each_card_pixel(const GreyCard& card, const View& view, const ImageF& picture, const F& take) {
   const double sx = double(picture.width()) / view.intrinsics.width, sy = double(picture.height()) / view.intrinsics.height;

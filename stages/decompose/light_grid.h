@@ -1,5 +1,5 @@
-// Directions in cells of equal solid angle: bands of equal height in z (Archimedes), cut into azimuths. Cells are what the
-// unknown light is made of.
+// Grid of directions with equal solid angle: bands of equal height in z (Archimedes), divided into azimuths. The unknown light is
+// constant per cell.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct LightGrid {
   size_t cells() const { return bands * azimuths(); }
   float solid_angle() const { return 4 * std::numbers::pi_v<float> / static_cast<float>(cells()); }
 
-  // u, v in [0, 1): a place in the cell.
+  // u, v in [0, 1): position in the cell.
   Vec3f direction(size_t cell, float u, float v) const {
     const float z = 1 - 2 * (static_cast<float>(cell / azimuths()) + v) / static_cast<float>(bands);
     const float a = 2 * std::numbers::pi_v<float> * (static_cast<float>(cell % azimuths()) + u) / static_cast<float>(azimuths());
@@ -31,7 +31,7 @@ struct LightGrid {
     };
     return index((1 - d.z) / 2, bands) * azimuths() + index(turn < 0 ? turn + 1 : turn, azimuths());
   }
-  // The neighbour to the east, and to the south (cells() at the last band).
+  // Neighbour to the east, and to the south (cells() in the last band).
   size_t east(size_t cell) const { return cell - cell % azimuths() + (cell + 1) % azimuths(); }
   size_t south(size_t cell) const { return cell + azimuths() < cells() ? cell + azimuths() : cells(); }
 };

@@ -15,15 +15,15 @@ namespace vitrine {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kDarkest = 1e-4f;     // radiance and irradiance below count as this
+constexpr float kDarkest = 1e-4f;     // lower bound of radiance and irradiance
 constexpr int kSweeps = 40;           // of the coordinate descent
-constexpr double kPercentile = 0.95;  // of the albedos: what is called white
-constexpr float kLeastOpen = 1e-3f;   // mean of A below which a cell is not looked at by anybody
+constexpr double kPercentile = 0.95;  // of the albedos that become white
+constexpr float kLeastOpen = 1e-3f;   // mean of A below which no point receives light from a cell
 
-// Of the normal matrix, relative to its mean diagonal.
-constexpr float kRidge = 0.01f;   // pull of every light cell towards the mean light
-constexpr float kSmooth = 0.02f;  // pull of neighbouring light cells towards each other
-constexpr float kRangeSigma = 1;  // log albedos that differ by much more count as different paint
+// Relative to the mean diagonal of the normal matrix.
+constexpr float kRidge = 0.01f;   // regularisation of each cell towards the mean light
+constexpr float kSmooth = 0.02f;  // regularisation of the difference between neighbouring cells
+constexpr float kRangeSigma = 1;  // in log albedo: much larger differences mean different paint
 
 using Matrix = Eigen::MatrixXf;
 using Vector = Eigen::VectorXf;
@@ -84,7 +84,7 @@ class Solver {
 
   Vector irradiance(size_t c) const { return (a_ * light_[c] + known_[c]).cwiseMax(kDarkest); }
 
-  // (a) Fills average_ with the logarithms.
+  // (a) Writes the logarithms to average_.
   void average_albedo(LightSolution& out) {
     std::array<Vector, 3> log_rho;
     for (size_t c = 0; c < 3; ++c) {
@@ -136,7 +136,7 @@ class Solver {
         const auto i = Eigen::Index(f), j = Eigen::Index(place_[neighbour]);
         h(i, i) += smooth, h(j, j) += smooth, h(i, j) -= smooth, h(j, i) -= smooth;
       }
-    // Coordinate descent keeps L >= 0 exactly and its order makes it reproducible.
+    // Coordinate descent keeps L >= 0 exactly, and its fixed order makes it reproducible.
     Vector& l = light_[c];
     Vector gradient = h * l - b;
     for (int sweep = 0; sweep < kSweeps; ++sweep)
@@ -150,7 +150,7 @@ class Solver {
 
   // (c)
   void set_scale(LightSolution& out) {
-    // White: the channels' means, weighted by how many look.
+    // White: the channel means, weighted by the visibility of the cells.
     std::array<double, 3> mean{};
     double weight = 0;
     for (size_t f = 0; f < cell_.size(); ++f) {
@@ -160,7 +160,7 @@ class Solver {
     const double grey = (mean[0] + mean[1] + mean[2]) / 3;
     for (size_t c = 0; c < 3; ++c)
       if (mean[c] > 1e-9 * weight) light_[c] *= float(grey / mean[c]);
-    // The larger the light the darker the surfaces: bisection in its logarithm.
+    // Albedo decreases monotonically with the light: bisection in the logarithm of the scale.
     std::array<Vector, 3> open;
     for (size_t c = 0; c < 3; ++c) open[c] = a_ * light_[c];
     std::vector<float> rho(count_);

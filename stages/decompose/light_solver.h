@@ -1,11 +1,10 @@
-// Albedo and light by turns (algorithms 7.3):
-//   (a) light fixed:  rho_s = pi C_s / E_s, then averaged (in logarithms) over the points that probably have the same albedo
-//   (b) rho fixed:    min over L >= 0 of  mean_s (1 - rho_s E_s(L) / (pi C_s))^2 + ridge |L - L_0|^2 + smooth |neighbours'
-//   difference|^2
-//       per channel: relative errors, so that dark points count as much as bright ones; coordinate descent on the normal matrix
-//   (c) the scale of the light, which (a) and (b) leave open but for what the bounced light says: a convention. The mean open
-//   light
-//       is white, and the brightest twentieth of the surface has the albedo `white`.
+// Alternating solver for albedo and light (algorithms 7.3):
+//   (a) light fixed:  rho_s = pi C_s / E_s, then the mean of logarithms over points that probably have the same albedo
+//   (b) rho fixed:    minimise over L >= 0, per channel, by coordinate descent on the normal matrix,
+//                     mean_s (1 - rho_s E_s(L) / (pi C_s))^2 + ridge |L - L_0|^2 + smooth |L_j - L_k|^2 (neighbours j, k);
+//                     the errors are relative, so dark points count as much as bright ones
+//   (c) scale:        (a) and (b) determine it only through bounced light. Convention: the mean open light is white, and the
+//                     brightest twentieth of the surface has the albedo `white`
 #pragma once
 
 #include <span>
@@ -24,27 +23,27 @@ struct LightSolverDesc {
 
 struct LightProblem {
   const Transport& transport;
-  std::span<const LitPoint> points;  // all; only `chosen` take part
+  std::span<const LitPoint> points;  // all; only `chosen` are used
   std::span<const uint32_t> chosen;
-  const Affinity& affinity;  // over `chosen`, by position in it
+  const Affinity& affinity;  // over `chosen`, indexed by position in it
 };
 
 struct LightSolution {
-  std::vector<Vec3f> light;       // [cells]; zero where no point looks
-  std::vector<bool> free;         // [cells] that were solved for
+  std::vector<Vec3f> light;       // [cells]; zero where no point receives light
+  std::vector<bool> free;         // [cells] solved cells
   std::vector<double> misfit;     // per round: rms of log rho - log of its average
-  double known_share = 0;         // of the irradiance, mean over the points: light that was not solved for
-  bool scale_by_bounces = false;  // the wanted albedo is out of reach: even without open light surfaces would be darker
+  double known_share = 0;         // share of known light in the irradiance, mean over the points
+  bool scale_by_bounces = false;  // the wanted albedo is out of reach: surfaces are darker even without open light
 };
 
 LightSolution solve_light(const LightProblem& problem, const LightSolverDesc& desc);
 
 float luminance(const Vec3f& rgb);
 
-// The light that was found, as a lat-long map (core/scene/light/environment.h).
+// The solved light as a lat-long map (core/scene/light/environment.h).
 
-// Seen walls and sky as they are, divided by `unit`; the rest as solved, and in its mean where no point told it. [height, 2
-// height]
+// Seen walls and sky, divided by `unit`; other directions as solved, or their mean where no point determines the light. [height,
+// 2 height]
 ImageF environment_map(const Surroundings& around, const LightGrid& grid, const LightSolution& solution, const Vec3f& unit);
 
 }  // namespace vitrine

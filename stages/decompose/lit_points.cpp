@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kShortestNormal = 0.05f;
 
-// Voxel and main direction of the normal: the two sides of a thin thing are two points.
+// Key of the voxel and the dominant axis of the normal, which separates the two sides of a thin object.
 uint64_t key_of(const Vec3f& position, const Vec3f& normal, double voxel, bool inner) {
   size_t axis = 0;
   for (size_t c = 1; c < 3; ++c)
@@ -86,7 +86,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
   std::vector<LitPoint> points;
   points.reserve(sums.size());
   for (const Sum& s : sums) {
-    if (!(length(s.normal) > 0.3 * s.weight)) continue;  // normals that cancel
+    if (!(length(s.normal) > 0.3 * s.weight)) continue;  // opposite normals cancel
     points.push_back({.position = cast<float>(s.position / s.weight),
                       .normal = cast<float>(normalized(s.normal)),
                       .radiance = cast<float>(s.radiance / s.weight),

@@ -14,14 +14,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kNeighbours = 8;  // pixels apart, across and down
+constexpr int kNeighbours = 8;  // offset of the compared pixel, horizontally and vertically
 constexpr size_t kFewestPairs = 200, kMostPairs = 1500;
-constexpr size_t kLobeRays = 32;  // of a pixel: two halves, whose noise is independent
+constexpr size_t kLobeRays = 32;  // per pixel: two halves with independent noise
 constexpr float kSmoothest = 0.02f, kRoughest = 0.6f;
-constexpr int kHalvings = 7;  // of the interval between them
+constexpr int kHalvings = 7;  // bisection steps
 constexpr uint64_t kLobeSeed = 11;
 
-using Pair = std::pair<size_t, size_t>;  // of pixels
+using Pair = std::pair<size_t, size_t>;  // pixel indices
 
 std::vector<Pair> mirrored_pairs(const MirroredPixels& pixels) {
   std::map<std::array<int, 3>, size_t> at;
@@ -51,13 +51,13 @@ class Contrast {
   }
   size_t pairs() const { return pairs_.size(); }
 
-  // Mean squared difference of luminance between neighbours.
+  // Mean squared luminance difference between neighbours.
   double of_photos() const {
     std::vector<double> photo;
     for (const size_t p : shown_) photo.push_back(double(luminance(pixels_.photo[p])));
     return between(photo, photo);
   }
-  // The same of what is mirrored: of two independent halves of the rays, so that their noise is no contrast.
+  // The same for the reflections, from two independent halves of the rays, which removes the noise bias.
   double at(float roughness) const {
     std::vector<Vec3f> origins, directions;
     Rng rng(kLobeSeed);
@@ -68,7 +68,7 @@ class Contrast {
         const Vec3f half = ggx_half_vector(pixels_.normals[p], roughness * roughness, u0, u1);
         const Vec3f out = 2 * dot(eye, half) * half - eye;
         origins.push_back(pixels_.origins[p]);
-        // Those that go below the surface go along the mirrored ray.
+        // Sampled directions below the surface are replaced by the mirrored ray.
         directions.push_back(
             normalized(dot(out, pixels_.normals[p]) > 0 ? out : 2 * dot(eye, pixels_.normals[p]) * pixels_.normals[p] - eye));
       }
@@ -95,7 +95,7 @@ class Contrast {
   const Vec3f reflectance_;
   const LightAlong& light_;
   std::vector<Pair> pairs_;
-  std::vector<size_t> place_, shown_;  // [pixel] among those of pairs; the pixels of pairs
+  std::vector<size_t> place_, shown_;  // [pixel] index among the pixels of pairs; the pixels of pairs
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// How rough a metal is, from how much contrast is left in what it mirrors. Comparing pixels does not tell: normals are never so
-// good that a ray meets what its pixel shows, and whatever is blurred more then fits better (metal of roughness .22: least
-// error at .33). How much neighbouring pixels differ does not depend on where exactly they look. The more roughness, the less.
+// Roughness of a metal from the contrast of its reflections. A pixel comparison fails: normals are never exact, so more blur
+// always fits better (metal of roughness .22: least error at .33). The difference between neighbouring pixels does not depend on
+// exact ray directions and decreases with roughness.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace vitrine {
 
-// Pixels of one thing that show what is well known in the mirror; [pixel] each.
+// Pixels of one object that reflect well-known content; [pixel] each.
 struct MirroredPixels {
   std::vector<int> view, x, y;
   std::vector<Vec3f> origins, normals, towards_eye;  // on its surface, world, unit
@@ -20,11 +20,11 @@ struct MirroredPixels {
   size_t size() const { return view.size(); }
 };
 
-// Radiance that comes to `origins` from `directions`.
+// Radiance that arrives at `origins` from `directions`.
 using LightAlong = std::function<std::vector<Vec3f>(std::span<const Vec3f> origins, std::span<const Vec3f> directions)>;
 
-// The roughness (GGX alpha = its square) at which a metal of this reflectance shows as much contrast as the photos do; empty: too
-// few pixels have neighbours.
+// Roughness (GGX alpha = its square) at which a metal of this reflectance has the contrast of the photos; empty: too few pixels
+// with neighbours.
 std::optional<float> roughness_of_contrast(const MirroredPixels& pixels, const Vec3f& reflectance, const LightAlong& light);
 
 }  // namespace vitrine

@@ -21,22 +21,22 @@ namespace vitrine {
 namespace {
 
 constexpr float kMinCosine = 0.3f;
-constexpr float kBrightest = 0.95f;                               // of a photo; more is clipped, and white whatever the metal
-constexpr size_t kFewestPixels = 300;                             // of a thing, over all views
-constexpr size_t kFewestOfFace = 4;                               // views that tell gloss from paint
-constexpr float kLeastCoverage = 0.05f;                           // of a ray by surfels: less shows the light beyond
+constexpr float kBrightest = 0.95f;                               // of a photo; brighter values are clipped
+constexpr size_t kFewestPixels = 300;                             // of an object, over all views
+constexpr size_t kFewestOfFace = 4;                               // minimum views to separate specular light from paint
+constexpr float kLeastCoverage = 0.05f;                           // surfel coverage of a ray; with less it sees the environment
 constexpr float kBrightestMetal = 0.95f;                          // silver
-constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
-constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
-constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
-constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
+constexpr float kGlaze = 0.04f;                                   // at normal incidence, index 1.5
+constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // minimum paint share of a coated surfel's radiance; radiance
+constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // if none was trained
+constexpr size_t kNearFaces = 8;                                  // faces averaged for the specular light of a surfel
 
 struct PolishedPixels {
   std::vector<uint32_t> face;
   std::vector<Vec3f> origins, normals, directions, photo, light;
   std::vector<int> view, x, y;
   std::vector<float> cosine;
-  std::vector<bool> well_known;  // the mirrored ray meets what the photos look at, and it is dull
+  std::vector<bool> well_known;  // the mirrored ray meets matt surface inside the photographed region
   size_t size() const { return face.size(); }
 };
 
@@ -71,7 +71,7 @@ class PolishedFinder {
     const Image16 labels = d_.objects.labels(view, k);
     if (labels.empty()) return;
     ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
-    for (float& v : photo.data()) v = std::max(v, 0.f);  // colours outside of Rec. 709; no reflectance is negative
+    for (float& v : photo.data()) v = std::max(v, 0.f);  // negative values are colours outside Rec. 709
     const Rigid world_from_cam = inverse(view.cam_from_world);
     const Vec3f eye = cast<float>(world_from_cam.translation);
     for (int y = 0; y < k.height; ++y)
@@ -79,7 +79,7 @@ class PolishedFinder {
         const Vec3f towards = normalized(cast<float>(world_from_cam.rotation * k.ray(x + 0.5, y + 0.5)));
         const auto hit = hits_.first_hit(eye, towards);
         if (!hit) continue;
-        // A rim of the mesh may stand before what the photo shows.
+        // The mesh edge may lie in front of the pixel's object.
         if (thing_[hit->face] < 0 || labels.at(x, y) != object_[hit->face]) continue;
         const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
         const float cosine = -dot(n, towards);
@@ -111,7 +111,7 @@ class PolishedFinder {
     return own == ids_.end() || *own != object ? -1 : static_cast<int>(own - ids_.begin());
   }
 
-  // Objects that few pixels show are left as they are.
+  // Removes objects with too few pixels; they stay unchanged.
   void drop_unsure() {
     std::vector<size_t> pixels(ids_.size(), 0);
     for (const uint32_t face : pixels_.face) ++pixels[size_t(thing_[face])];
@@ -119,7 +119,7 @@ class PolishedFinder {
       if (t >= 0 && pixels[size_t(t)] < kFewestPixels) t = -1;
   }
 
-  // What the mirrored rays bring; a pixel whose ray meets something polished again says nothing.
+  // Traces the mirrored rays; pixels with a second specular hit are discarded.
   void trace() {
     PolishedPixels kept;
     for (size_t i = 0; i < pixels_.size(); ++i) {
@@ -141,7 +141,7 @@ class PolishedFinder {
     pixels_.light = light_along(pixels_.origins, pixels_.directions);
   }
 
-  // What the trained scene, and the environment beyond, send back along rays.
+  // Radiance of the trained scene, and of the environment outside it, along rays.
   std::vector<Vec3f> light_along(std::span<const Vec3f> origins, std::span<const Vec3f> directions) const {
     RayValues seen;
     const std::vector<float> near(origins.size(), d_.reach);
@@ -155,7 +155,7 @@ class PolishedFinder {
     return light;
   }
 
-  // Mean of the photos over the views of a face, and of the darker half of them without the mirrored light of a coat.
+  // Per face: mean radiance over the views, and mean of the darker half without the reflected light of a coat.
   struct FaceShows {
     Vec3f mean{}, paint{};
     size_t views = 0;
@@ -273,7 +273,7 @@ void polish_materials(const Metals& found, const TrainedScene& scene, const std:
       albedo[c] = thing.metal ? 0
                               : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkestRadiance),
                                                        kLeastPaint, 1.f);
-    if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // in which nothing has both paint and a reflection of its own
+    if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // this blend has no surface with both paint and its own reflection
     set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
     materials.transmission[i] = 0;
     if (thing.roughness)
@@ -284,7 +284,7 @@ void polish_materials(const Metals& found, const TrainedScene& scene, const std:
 }
 
 void set_reflectance(LayerBlend blend, const Vec3f& reflectance, float& specular_weight, Vec3f& f0) {
-  // k F, or k + (1 - k) F: the least k with which F counts in full, so that F has the colour.
+  // Reflectance is k F, or k + (1 - k) F: the smallest k with a full Fresnel term lets F set the colour.
   const float k = blend == LayerBlend::RtrGs ? 0 : float(kFullFresnel);
   specular_weight = blend == LayerBlend::RtrGs ? 1 : k;
   for (size_t c = 0; c < 3; ++c) f0[c] = std::clamp((reflectance[c] - k) / (1 - k), 0.f, 1.f);

@@ -20,10 +20,10 @@ namespace vitrine {
 namespace {
 
 constexpr int kSheetCell = 320;     // width of a picture, pixels
-constexpr float kTooDark = 0.004f;  // photos below say nothing about ratios
-constexpr float kRatioSpan = 2;     // doublings from grey to white or black
+constexpr float kTooDark = 0.004f;  // darker photo values give unreliable ratios
+constexpr float kRatioSpan = 2;     // stops from grey to white or black
 
-// Tone of the light: its own median becomes middle grey, whatever its unit.
+// Exposure: maps the median of the picture to middle grey.
 ImageF exposed(ImageF picture) {
   std::vector<float> values;
   for (const float v : picture.data())

@@ -1,5 +1,5 @@
-// What a person looks at: decompose/albedo.png (photo, albedo, light on the surface), decompose/baked.png (what the product of
-// the two leaves unexplained) and decompose/report.json.
+// Pictures and report of the stage: decompose/albedo.png (photo, albedo, light on the surface), decompose/baked.png (residual of
+// their product) and decompose/report.json.
 #pragma once
 
 #include <filesystem>
@@ -26,23 +26,23 @@ struct DecomposePicturesDesc {
   int rows = 4;
 };
 
-// Returns the rms of the logarithm of photo / (albedo x irradiance / pi), over the pixels shown; nothing where none is shown.
+// Returns the rms of the logarithm of photo / (albedo x irradiance / pi) over the rendered pixels; empty if there are none.
 std::optional<double> write_decompose_pictures(const DecomposePicturesDesc& desc);
 
-// decompose/report.json, but for what is said of polished things.
+// decompose/report.json, except the part on mirrors and coats.
 struct FoundLight {
   const DecomposeConfig& config;
   const std::vector<LitPoint>& points;
   const std::vector<bool>& usable;
-  size_t solved_with = 0;  // of the points
+  size_t solved_with = 0;  // number of points
   double voxel = 0;
   const LightSolution& solution;
   const Surroundings& around;
   size_t shell_faces = 0;
   float sky_distance = 0;
   const ExtendedWalls& walls;
-  std::optional<float> horizon;  // sine of the elevation from which on a mirror shows sky
-  bool card_beside = false;      // the scale is that of a card beside the trained scene
+  std::optional<float> horizon;  // sine of the elevation above which a mirror shows sky
+  bool card_beside = false;      // the scale is from a card outside the trained scene
 };
 
 nlohmann::ordered_json report_of(const FoundLight& found);

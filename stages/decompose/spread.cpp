@@ -12,9 +12,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kReach = 8;            // times the radius: how far a point speaks
-constexpr float kLeastFacing = 0.01f;  // of a point whose normal is across
-constexpr float kAcross = 0.3f;        // cosine up to which it is
+constexpr float kReach = 8;            // times the radius: largest distance of a used point
+constexpr float kLeastFacing = 0.01f;  // weight of a point with a perpendicular normal
+constexpr float kAcross = 0.3f;        // largest cosine of a perpendicular normal
 
 struct PointSet {
   std::vector<Vec3f> positions;
@@ -56,12 +56,12 @@ std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inn
     std::vector<KdTreef::Near> near;
     trees[which].nearest(p, desc.neighbours, kReach * radius[which], near);
     const float inverse = 1 / (2 * radius[which] * radius[which]);
-    // Relative to the nearest: a surfel that lies off still gets its neighbours' light.
+    // Relative to the nearest: a surfel far from all points still gets their light.
     const auto closeness = [&](const KdTreef::Near& q) {
       return std::exp(-inverse * (q.squared_distance - near.front().squared_distance));
     };
     const auto facing_of = [&](const KdTreef::Near& q) { return dot(n, points[sets[which].index[q.index]].normal); };
-    // A surfel does not know its front, its neighbours do: the points of the other side of a thin thing stand farther off.
+    // The front side of a surfel is that of its nearest points; points on the other side of a thin object are farther away.
     float front = 0;
     for (const KdTreef::Near& q : near) front += closeness(q) * facing_of(q);
     Vec3f total{};

@@ -1,4 +1,5 @@
-// Irradiance of the points to every surfel: the nearest points on the same side of the surface, by distance and angle.
+// Interpolation of irradiance from points to surfels: nearest points on the same side of the surface, weighted by distance and
+// angle.
 #pragma once
 
 #include <span>
@@ -14,11 +15,11 @@ struct SpreadDesc {
   size_t neighbours = 8;
 };
 
-// One per surfel. `usable[i]` = false: the point does not speak. Surfels far from every usable point get the mean of all.
+// One per surfel. `usable[i]` = false: the point is ignored. Surfels far from every usable point get the mean of all.
 std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inner, std::span<const LitPoint> points,
                                      std::span<const Vec3f> irradiance, const std::vector<bool>& usable, const SpreadDesc& desc);
 
-// Colour of a surfel, free of the direction it is seen from: the mean over the cameras in front of it.
+// View-independent colour of a surfel: the mean over the cameras in front of it.
 std::vector<Vec3f> surfel_radiance(const SplatLayer& layer, std::span<const Vec3f> eyes);
 
 }  // namespace vitrine

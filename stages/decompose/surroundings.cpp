@@ -13,7 +13,7 @@ namespace vitrine {
 
 namespace {
 
-// Where a ray from inside a box leaves it.
+// Distance at which a ray from inside a box leaves it.
 float exit_of(const Bounds3& box, const Vec3f& origin, const Vec3f& direction) {
   double t = std::numeric_limits<double>::max();
   for (size_t c = 0; c < 3; ++c) {
@@ -62,7 +62,7 @@ TriMesh Surroundings::shell() const {
   const size_t width = 2 * size_t(height);
   for (size_t y = 0; y + 1 < size_t(height); ++y)
     for (size_t x = 0; x < width; ++x) {
-      // Rows go down, columns go clockwise seen from above: a b over d c as one sees them from inside.
+      // Rows go down, columns clockwise as seen from above: from inside, a b are above d c.
       const uint32_t a = corner[y * width + x], b = corner[y * width + (x + 1) % width];
       const uint32_t d = corner[(y + 1) * width + x], c = corner[(y + 1) * width + (x + 1) % width];
       if (a != kNone && c != kNone && b != kNone) mesh.faces.push_back({a, c, b});
@@ -95,7 +95,7 @@ Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& des
   const std::unique_ptr<Tracer> tracer = make_tracer();
   tracer->build(diffuse);
   RayValues values;
-  // A little less than what a wall needs, so that rounding loses none.
+  // Slightly less than the wall threshold, so that rounding loses no wall.
   tracer->forward({.origins = origins, .directions = directions, .near = near},
                   {.sh_degree = diffuse.sh_degree(), .first_hit_weight = 0.99f * desc.min_alpha}, values, nullptr);
   out.distance.assign(count, 0.f);

@@ -16,12 +16,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kClear = 0.5f;   // transmission from which a surface lets a ray pass
-constexpr int kMaxPanes = 8;     // that one ray passes
+constexpr float kClear = 0.5f;   // minimum transmission of surfaces that rays pass
+constexpr int kMaxPanes = 8;     // per ray
 constexpr size_t kChunk = 64;    // points
-constexpr size_t kBlock = 4096;  // points between two reports of progress
+constexpr size_t kBlock = 4096;  // points per progress report
 
-// Weights of the corners of a face at a point in it.
+// Barycentric weights of a point in a face.
 Vec3f corner_weights(const TriMesh& mesh, uint32_t face, const Vec3f& p) {
   const auto& [i, j, k] = mesh.faces[face];
   const Vec3f &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
@@ -45,11 +45,11 @@ class Rays {
     if (!scene.shell.faces.empty()) shell_.emplace(scene.shell);
   }
 
-  // Where the rays of a point start: on the front of the mesh nearest to it along its normal.
+  // Ray origin of a point: on the front of the nearest mesh face along its normal.
   Vec3f start(const LitPoint& point, const TransportDesc& desc) const {
     constexpr int kMostSheets = 4;
     const Vec3f above = point.position + desc.reach * point.normal;
-    float near = 0, best = desc.reach;  // distance below `above`; nothing found: the point itself
+    float near = 0, best = desc.reach;  // distance below `above`; without a hit the point itself
     float miss = desc.reach;
     for (int sheet = 0; sheet < kMostSheets; ++sheet) {
       const std::optional<MeshHit> hit = mesh_.first_hit(above, -point.normal, near, 2 * desc.reach);
@@ -66,7 +66,7 @@ class Rays {
   struct Met {
     bool something = false, back = false;
     Vec3f radiance{};
-    float share = 1;  // of the light that comes along the ray, past panes that mirror the rest
+    float share = 1;  // transmittance of the passed panes
   };
   Met trace(const Vec3f& origin, const Vec3f& direction, float shell_near) const {
     float near = 0, share = 1;
@@ -74,7 +74,7 @@ class Rays {
       const std::optional<MeshHit> hit = mesh_.first_hit(origin, direction, near);
       if (!hit) break;
       const Vec3f p = origin + hit->t * direction;
-      // What the photos show is the front; its light is not that of the back.
+      // Photos show the front; a back side has unknown radiance.
       if (!clear(hit->face, p))
         return {true, hit->from_inside, hit->from_inside ? Vec3f{} : color_at(scene_.mesh, hit->face, p), share};
       near = hit->t * 1.0001f + 1e-5f;
@@ -83,7 +83,7 @@ class Rays {
     if (shell_)
       if (const std::optional<MeshHit> hit = shell_->first_hit(origin, direction, shell_near))
         return {true, false, color_at(scene_.shell, hit->face, origin + hit->t * direction), share};
-    // Sky that the surfels show is known too; far away the direction alone counts.
+    // Sky shown by surfels is known too; at that distance only the direction matters.
     const size_t texel = scene_.around.texel_of(direction);
     if (scene_.around.seen(texel) && !scene_.around.wall[texel]) return {true, false, scene_.around.radiance[texel], share};
     return {false, false, {}, share};

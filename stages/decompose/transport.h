@@ -1,9 +1,9 @@
-// How light reaches the points: one jittered ray per point and cell of directions. A ray that meets the mesh or the surroundings
-// brings the radiance that the photos show there (the light of the capture, bounced: algorithms 7.3, L_ind), none from a back
-// side, which no photo shows; one that leaves brings the unknown radiance of its cell, or the known one where the surroundings
+// Light transport to the points: one jittered ray per point and direction cell. A ray that meets the mesh or the surroundings
+// contributes the radiance in the photos (the bounced light of the capture: algorithms 7.3, L_ind), or none from a back side,
+// which no photo shows. A ray that leaves contributes the unknown radiance of its cell, or the known one where the surroundings
 // show sky. Irradiance is then linear in the unknown light:
 //   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega T where the ray of point s and cell j leaves the scene
-// T: what the panes that it passes do not mirror (core/render/model/kernels/fresnel.h).
+// T: transmittance of the passed panes, without the reflected part (core/render/model/kernels/fresnel.h).
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,8 @@ namespace vitrine {
 
 struct TransportDesc {
   LightGrid grid;
-  float reach = 0.02f;         // surfels and mesh agree to about so much: rays start on the mesh, if it is that near
-  float offset = 0.001f;       // above it
+  float reach = 0.02f;         // tolerance between surfels and mesh: rays start on a mesh face within this distance
+  float offset = 0.001f;       // ray start above the mesh
   float outer_offset = 0.05f;  // the same for points outside the mesh, whose shell is coarse
   uint64_t seed = 1;
 };
@@ -30,7 +30,7 @@ struct Transport {
   LightGrid grid;
   std::vector<float> open;    // [points * cells] A
   std::vector<Vec3f> known;   // [points] irradiance of rays that met something
-  std::vector<float> inside;  // [points] share of the rays that met a back side: most of them where it lies under the surface
+  std::vector<float> inside;  // [points] share of the rays that met a back side: high for points below the surface
   std::span<const float> row(size_t point) const { return {open.data() + point * grid.cells(), grid.cells()}; }
   Vec3f irradiance(size_t point, std::span<const Vec3f> light) const;
 };
@@ -45,12 +45,12 @@ struct TransportScene {
 Transport transport(const TransportScene& scene, std::span<const LitPoint> points, const TransportDesc& desc,
                     const std::function<void(double)>& progress);
 
-// The mesh as light meets it.
+// The mesh for light transport.
 
-// mesh/mesh.ply of a mesh artifact. Throws Error{Input} where it has no area or no colours.
+// Reads mesh/mesh.ply of a mesh artifact. Throws Error{Input} without area or colours.
 TriMesh read_shadow_mesh(const std::filesystem::path& folder);
 double area_of(const TriMesh& mesh);
-// Per vertex, of the nearest surface point; `voxel`: of the points.
+// Per vertex, from the nearest surface point; `voxel`: of the points.
 std::vector<float> transmission_of(const TriMesh& mesh, const std::vector<LitPoint>& points, double voxel);
 
 }  // namespace vitrine

@@ -17,13 +17,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kClosed = 0.75;   // share of the azimuths with an upper end of a wall and no sky over it: a closed room
-constexpr size_t kEdgeTexels = 5;  // at the upper end of a wall, of which the median tells where it stands
+constexpr double kClosed = 0.75;   // share of azimuths with a wall top and no sky above: a closed room
+constexpr size_t kEdgeTexels = 5;  // at the top of a wall; their median gives its distance
 
-// The highest wall texel of a column with nothing but unseen directions above it.
+// Highest wall texel of a column with only unseen directions above it.
 struct Top {
   size_t row = 0, texel = 0;
-  float across = 0;  // horizontal distance of the wall; 0: there is no such wall
+  float across = 0;  // horizontal distance of the wall; 0: no such wall
 };
 
 Top top_of(const Surroundings& around, size_t column) {
@@ -57,9 +57,9 @@ constexpr size_t kSkyBands = 32, kSkyAzimuths = 128;
 constexpr size_t kLow = kSkyBands / 4, kHigh = 3 * kSkyBands / 4;  // walls are below, sky is above
 constexpr float kPolished = 0.5f, kNoGlass = 0.3f;                 // specular weight, transmission
 constexpr size_t kFewestPolished = 100;
-constexpr float kSpotReach = 2;        // of the spread of the polished points: what is nearer are they themselves
+constexpr float kSpotReach = 2;        // times the spread of the specular points: nearer surfels are those points themselves
 constexpr double kBrighterSky = 2;     // times the walls
-constexpr double kLeastCovered = 0.5;  // of a band's light by surfels: less was never mirrored
+constexpr double kLeastCovered = 0.5;  // surfel coverage of a band: less was never reflected
 
 struct PolishedSpot {
   Vec3f centre{};
@@ -91,7 +91,7 @@ ExtendedWalls extended_walls(const Surroundings& around, const LightGrid& grid, 
   for (size_t x = 0; x < width; ++x) tops[x] = top_of(around, x);
   const auto walls = std::ranges::count_if(tops, [](const Top& top) { return top.across > 0; });
   if (double(walls) < kClosed * double(width)) return out;
-  // Mean light of each band over the directions above walls: single cells of a non-negative solution are dark by chance.
+  // Mean light of each band over the directions above walls: single cells of a non-negative solution can be dark by chance.
   std::vector<double> sum(grid.bands, 0), count(grid.bands, 0);
   for (size_t x = 0; x < width; ++x)
     for (size_t y = 0; tops[x].across > 0 && y < tops[x].row; ++y)
@@ -121,7 +121,7 @@ ExtendedWalls extended_walls(const Surroundings& around, const LightGrid& grid, 
 
 TriMesh painted_shell(const ExtendedWalls& walls, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach) {
   TriMesh shell = walls.around.shell();
-  // Corners of the shell stand in the order of the texels with walls. A wall that was continued is seen where it begins.
+  // The shell's vertices have the order of the wall texels. An extended wall takes the position of its source texel.
   std::vector<Vec3f> shown;
   for (size_t t = 0; t < walls.source.size(); ++t)
     if (walls.around.wall[t]) {
@@ -182,7 +182,7 @@ std::optional<float> mirrored_horizon(const SplatLayer& reflection, std::span<co
   std::vector<double> low(light.begin(), light.begin() + kLow), high(light.begin() + kHigh, light.end());
   const double walls = upper_median(low), sky = upper_median(high), edge = 0.5 * (walls + sky);
   if (!(sky > kBrighterSky * walls)) return {};
-  // From above: a bright picture on a wall is no sky.
+  // Searches from above: a bright picture on a wall is no sky.
   size_t band = kHigh;
   while (band > 0 && light[band - 1] > edge) --band;
   return band == 0 ? 0.f : float(band) / float(kSkyBands);

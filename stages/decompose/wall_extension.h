@@ -1,9 +1,8 @@
-// Wall extension: walls end where the photos end, not where the room does. Sky and lamps are brighter than the walls that they
-// light. Where the solved light right above a wall is no brighter than the wall, more wall stands there: the shell of the
-// surroundings is extended straight up to the first band of light cells that is brighter. Under the light of the photos it
-// changes little (those cells are dark); under another light it keeps a low sun out. Light from low over the walls, which few
-// points see, is estimated too dark: where a specular object shows from which elevation on sky is mirrored (mirrored_horizon),
-// walls end there at the latest.
+// Wall extension: continues the walls above the photographed part. Sky and lamps are brighter than the walls they light. Where
+// the solved light directly above a wall is no brighter than the wall, the shell of the surroundings is extended vertically up to
+// the first brighter band of light cells. Under the captured light this changes little (those cells are dark); under another
+// light it blocks a low sun. Light from low above the walls reaches few points and is underestimated, so walls end at the latest
+// at the elevation above which a specular object reflects sky (mirrored_horizon).
 #pragma once
 
 #include <optional>
@@ -19,26 +18,26 @@
 namespace vitrine {
 
 struct ExtendedWalls {
-  Surroundings around;         // with what was added
-  std::vector<size_t> source;  // [texels] whose surface it continues; itself, where nothing was added
-  float sine = 0;              // of the elevation up to which walls were continued; 0: nowhere
+  Surroundings around;         // with the extension
+  std::vector<size_t> source;  // [texels] the texel that each extended texel copies; its own index elsewhere
+  float sine = 0;              // sine of the highest elevation of the extension; 0: none
 };
 
-// `light`, `free`: of the cells of `grid`, as solved. `horizon`: sine of the elevation above which sky is mirrored.
+// `light`, `free`: of the cells of `grid`, as solved. `horizon`: sine of the elevation above which sky is reflected.
 ExtendedWalls extended_walls(const Surroundings& around, const LightGrid& grid, std::span<const Vec3f> light,
                              const std::vector<bool>& free, float horizon = 1);
 
-inline constexpr float kMaxAlbedo = 0.98f;  // of what gives back no more light than it gets
+inline constexpr float kMaxAlbedo = 0.98f;  // upper bound of energy conservation
 
-// The shell of what stands around, for other lights: the albedo of the surfels there in place of the radiance they had.
-// `irradiance` [surfels of `layer`] under the light of the photos; surfels within `reach` of a corner tell its own.
+// The shell of the surroundings for relighting: albedo of its surfels instead of their radiance. `irradiance` [surfels of
+// `layer`] under the captured light; surfels within `reach` of a vertex determine its albedo.
 TriMesh painted_shell(const ExtendedWalls& walls, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach);
 
-// How high walls stand that no photo shows: polished things show it. What they mirror is trained into the reflection layer, and
-// seen from their middle it is dark where walls are and bright where the sky is.
-// Sine of the elevation at which the light half-way between walls and sky is crossed (medians over the azimuths): the edge that a
-// rough or coarse mirror shows softened. Nothing, where too few of the points are polished, where their mirrors never looked, or
-// where what is high up is not at least twice as bright.
+// Elevation of unphotographed wall tops, from specular objects: their reflections are trained into the reflection layer, which is
+// dark towards walls and bright towards the sky, as seen from the centre of the specular points. Returns the sine of the
+// elevation where the light is half-way between walls and sky (medians over the azimuths), which is also the edge of a blurred
+// reflection. Empty with too few specular points, without reflections in these directions, or if the upper light is less than
+// twice as bright.
 std::optional<float> mirrored_horizon(const SplatLayer& reflection, std::span<const LitPoint> points);
 
 }  // namespace vitrine

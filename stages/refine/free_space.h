@@ -1,10 +1,10 @@
-// Space that the photos show to be empty, and on which side of closed glass the surfels of the transmittance layer stand. Every
-// photo that sees a surfel's place votes:
-//   empty   the place lies in front of what the photo shows: of an opaque surface, or of the glass where the mesh agrees on it
-//   seen    it may be there: at the surface, or behind glass
-//   inside, beyond   of the rays through closed glass that pass the place: between front and back, or past the back
-// Nothing is said about places behind opaque surfaces. What a surfel on a pane shows is on the glass itself, a reflection that no
-// layer explains or dust: photos that see it edge on do not contradict it.
+// Votes of the photos on the position of each transmittance surfel: empty space, and the side of closed glass. Each photo that
+// sees the position votes:
+//   empty   the position is in front of the visible surface: opaque, or glass where the mesh agrees
+//   seen    the position is possible: at the surface, or behind glass
+//   inside, beyond   counts of rays through closed glass that pass the position: between front and back, or after the back
+// Positions behind opaque surfaces get no votes. A surfel on a pane represents the glass itself (an unexplained reflection or
+// dust), so grazing photos do not count against it.
 #pragma once
 
 #include "stages/refine/glass_views.h"
