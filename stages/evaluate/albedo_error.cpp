@@ -11,8 +11,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kGamma = 2.2;  // of the published protocol, not sRGB's curve
-constexpr size_t kFewest = 64;  // pixels of a view that count as a picture
+constexpr double kGamma = 2.2;  // of the published protocol, not the sRGB curve
+constexpr size_t kFewest = 64;  // minimum counted pixels of a view
 constexpr float kAllPainted = 0.999f;
 
 }  // namespace
@@ -78,7 +78,7 @@ std::optional<double> AlbedoError::psnr(Guess guess, const Vec3d& scale, const s
 
 Vec3d AlbedoError::scale_of(Guess guess) const {
   Vec3d scale{1, 1, 1};
-  // The object outside the glass, else what there is.
+  // The object outside the glass; if it is empty, larger regions.
   for (const std::vector<bool>& regions : {std::vector<bool>{true, false, false}, {true, true, false}, {true, true, true}}) {
     std::vector<double> ratio[3];
     for (const auto& view : views_)

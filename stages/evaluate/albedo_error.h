@@ -1,9 +1,9 @@
-// Albedo against the truth's (the protocol of Jin et al. 2023, "TensoIR"; algorithms 8.2). Photos fix albedo up to one factor per
-// channel, so ours are multiplied by
+// Albedo error against the ground truth (the protocol of Jin et al. 2023, "TensoIR"; algorithms 8.2). Photos determine albedo up
+// to one factor per channel, so our albedo is multiplied by
 //   k_c = median of truth_c / ours_c     one number per channel for the whole scene ("global median per channel")
-// over the pixels of the object that count, in linear values; then clipped to [0,1], raised to 1/2.2 and compared. Metal has no
-// diffuse albedo and counts nowhere: pixels with a channel of 0 in the truth are left out, and those that mix with such ones
-// where both pictures are brought to the coarser size.
+// over the counted object pixels, in linear values; then clipped to [0,1], raised to 1/2.2 and compared. Metal has no diffuse
+// albedo and is excluded: pixels with a channel of 0 in the truth, and pixels that mix with them when both pictures are reduced
+// to the coarser size.
 #pragma once
 
 #include <optional>
@@ -17,8 +17,8 @@ namespace vitrine {
 
 struct AlbedoPicture {
   const Intrinsics& intrinsics;
-  const ImageF& albedo;    // linear; 0 where we have no surface
-  const ImageF& radiance;  // of the diffuse layer at that size: what the albedo would be if nothing had been decomposed
+  const ImageF& albedo;    // linear; 0 = no surface
+  const ImageF& radiance;  // of the diffuse layer at that size: the albedo without decomposition
   const ImageF* object;    // masks of 0 and 1 at that size; nullptr: everywhere
   const ImageF* glass;     // nullptr: nowhere
 };
@@ -28,7 +28,7 @@ struct AlbedoScores {
   std::optional<double> psnr;           // object, outside the glass
   std::optional<double> through_glass;  // object behind glass
   std::optional<double> everywhere;     // all pixels with a truth
-  std::optional<double> undecomposed;   // the radiance in place of the albedo, with a scale of its own; object, outside the glass
+  std::optional<double> undecomposed;   // radiance in place of albedo, with its own scale; object, outside the glass
   size_t views = 0;
 };
 
@@ -43,7 +43,7 @@ class AlbedoError {
     Vec3f ours, radiance, truth;
     Region region;
   };
-  using Guess = Vec3f Pixel::*;  // which of ours is compared
+  using Guess = Vec3f Pixel::*;  // the compared value
   Vec3d scale_of(Guess guess) const;
   std::optional<double> psnr(Guess guess, const Vec3d& scale, const std::vector<bool>& regions) const;
   std::vector<std::vector<Pixel>> views_;

@@ -12,11 +12,11 @@
 namespace vitrine {
 namespace {
 
-constexpr double kOutlierFactor = 8;  // a centre this many medians away from its partner is left out
+constexpr double kOutlierFactor = 8;  // in medians: centres farther from their partner are outliers
 constexpr double kNoiseFloor = 1e-9;  // of the ring radius: exact poses have no outliers
-constexpr double kLineRatio = 1e-5;   // second / first singular value below this: centres on a line
+constexpr double kLineRatio = 1e-5;   // second / first singular value: below it, centres are collinear
 constexpr int kTrimmingRounds = 5;
-constexpr size_t kPartners = 64;  // neighbours in name order that a camera's distances are measured to
+constexpr size_t kPartners = 64;  // neighbours in name order used for a camera's distances
 
 Eigen::Vector3d eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d vec(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -28,7 +28,7 @@ Eigen::Matrix3d eigen(const Mat3d& m) {
 }
 Mat3d mat(const Eigen::Matrix3d& e) { return {vec(e.col(0)), vec(e.col(1)), vec(e.col(2))}; }
 
-// Nearest proper rotation to `m`; `singular_values` in falling order.
+// Nearest proper rotation to `m`; `singular_values` in descending order.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m, Eigen::Vector3d* singular_values, double* sign) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double s = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
@@ -66,7 +66,8 @@ Fit fit(std::span<const Vec3d> from, std::span<const Vec3d> to) {
   return result;
 }
 
-// The cameras tell the rotation themselves: R = nearest rotation to sum_i R_truth_i^T R_ours_i. Scale and shift from the centres.
+// Rotation from the camera orientations: R = nearest rotation to sum_i R_truth_i^T R_ours_i. Scale and translation from the
+// centres.
 Similarity fit_by_orientations(std::span<const CameraPair> cameras, std::span<const Vec3d> from, std::span<const Vec3d> to) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const CameraPair& c : cameras) sum += eigen(c.truth.rotation).transpose() * eigen(c.ours.rotation);
@@ -99,8 +100,8 @@ std::vector<double> centre_residuals(std::span<const CameraPair> cameras, const 
   return residuals;
 }
 
-// Least median: scale = median ratio of distances between centres; every camera proposes its own relative rotation, the shift
-// is the median per coordinate; the proposal with the smallest median residual wins. Up to half of the cameras may be wrong.
+// Least median: scale = median ratio of distances between centres; every camera proposes its own relative rotation, with the
+// median translation per coordinate; the proposal with the smallest median residual wins. Tolerates up to half wrong cameras.
 Similarity robust_start(std::span<const CameraPair> cameras) {
   std::vector<double> ratios;
   for (size_t i = 0; i < cameras.size(); ++i)
@@ -117,7 +118,7 @@ Similarity robust_start(std::span<const CameraPair> cameras) {
     for (size_t axis = 0; axis < 3; ++axis) {
       std::vector<double> shifts;
       for (const CameraPair& c : cameras) shifts.push_back((centre(c.truth) - s * centre(c.ours))[axis]);
-      // The shift of this axis alone: the others stay 0 until their turn and do not enter it.
+      // Only this coordinate: the others are still 0 and have no effect.
       s.translation[axis] = median(shifts);
     }
     const double residual = median(centre_residuals(cameras, s));

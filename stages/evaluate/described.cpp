@@ -1,4 +1,3 @@
-// Options, inputs, cost estimate and report figures of the evaluate stage.
 #include <cmath>
 #include <filesystem>
 
@@ -13,7 +12,7 @@ namespace {
 constexpr const char* kViews = "Pictures from new places";
 constexpr const char* kParts = "Parts of the picture";
 constexpr const char* kTruth = "Against the truth";
-constexpr double kFewestViews = 2;    // one picture may be the best or the worst
+constexpr double kFewestViews = 2;    // a single picture may be the best or the worst
 constexpr double kFewestAligned = 5;  // cameras: three always fit the truth after an alignment
 
 }  // namespace
@@ -58,7 +57,7 @@ StageCost evaluate_cost(const CostTerms& t) {
   const double held = every > 0 ? std::ceil(t.photos() / every) : 0, mpx = t.mpx(trained_side(t));
   double cpu_s = 2 + 5 * held * mpx + 0.2 * t.photos() * mpx, memory = 150 + 12 * t.photos() * mpx;
   if (t.is_given("input.truth")) {
-    // A true mesh is sampled and searched; so are depths and normals of all views. True pictures under other lights ask for ours.
+    // Costs of sampling a truth mesh, of depths and normals of all views, and of relit pictures.
     cpu_s += 14;
     memory += 610;
     std::error_code ec;

@@ -1,5 +1,5 @@
-// One class on purpose: every view is rendered once, and all figures are taken from that picture. How each is computed stands in
-// files of their own (regions, view_error, albedo_error, relit_error, mesh_error ...).
+// A single class, because every view is rendered once and all figures use that picture. Each figure has its own file (regions,
+// view_error, albedo_error, relit_error, mesh_error ...).
 #include "stages/evaluate/evaluate.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kMeshViewSide = 640;                       // visibility needs no more
+constexpr int kMeshViewSide = 640;                       // sufficient for visibility
 constexpr size_t kSheetRows = 4;                         // views on the contact sheet
 constexpr double kRenderShare = 0.7, kRelitShare = 0.2;  // of the progress bar
 
@@ -144,7 +144,7 @@ class Evaluator {
     seen.intrinsics = view.intrinsics.limited_to(result_.split.max_side);
     ViewPicture render = painter_.picture(seen);
     ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
-    // What was not trained is judged by nobody, and black in the pictures.
+    // Untrained pixels are not scored, and black in the pictures.
     std::optional<ImageF> judged;
     if (const auto within = trained_within()) judged = stage_mask(*within, view, MaskClass::Object, render.intrinsics);
     if (judged) keep_within(*judged, photo), keep_within(*judged, render.srgb);
@@ -186,14 +186,14 @@ class Evaluator {
     agreement_.add({seen, std::move(labels)});
   }
 
-  // The masks inside which the scene was trained, if it was not trained everywhere.
+  // Masks inside which the scene was trained; nullopt if it was trained everywhere.
   std::optional<fs::path> trained_within() const {
     if (!result_.split.object_alone) return std::nullopt;
     const fs::path widened = context_.input("optimize") / "optimize/trained";
     return fs::is_directory(widened) ? widened : masks_;
   }
 
-  // Of opaque pixels that were trained, outside glass and mirrors.
+  // Colour cast of trained opaque pixels, outside glass and mirrors.
   std::optional<double> shift_of_neutral(const View& view, const ViewPicture& render, const ImageF& photo,
                                          const std::optional<ImageF>& judged, const RegionMasks& masks) const {
     ImageF counts = render.zdepth;
@@ -232,7 +232,7 @@ class Evaluator {
     surface_.zdepth_rel.insert(surface_.zdepth_rel.end(), here.zdepth_rel.begin(), here.zdepth_rel.end());
     for (const auto& [region, region_mask] : masks) {
       ImageF counts = region_mask;
-      if (region == "object")  // what is seen of it through glass belongs to the glass
+      if (region == "object")  // object pixels behind glass belong to the glass
         for (size_t i = 0; i < counts.data().size(); ++i) counts.data()[i] *= opaque.data()[i];
       add_surface_error(render, truth, *truth_from_ours(), &counts, region_surface_[region]);
     }
@@ -244,7 +244,7 @@ class Evaluator {
     if (glass == nullptr || transmitted == nullptr) return;
     const auto truth = truth_->transmitted(index, render.intrinsics);
     if (!truth) return;
-    ImageF radiance = *transmitted;  // where no ray went through, what the picture shows
+    ImageF radiance = *transmitted;  // the rendered picture where no ray passed through glass
     for (size_t i = 0; i < radiance.pixel_count(); ++i)
       if (float* const pixel = &radiance.data()[3 * i]; pixel[0] + pixel[1] + pixel[2] == 0)
         std::copy_n(&picture->data()[3 * i], 3, pixel);
@@ -373,9 +373,9 @@ class Evaluator {
   fs::path sfm_;
   std::vector<View> views_;
   ScenePainter painter_;
-  bool layered_;  // there is more than the diffuse layer
+  bool layered_;  // true if there are layers other than the diffuse one
   std::optional<fs::path> masks_;
-  LabelledObjects objects_, known_;  // known_: not guessed, which surfels carry the ids of
+  LabelledObjects objects_, known_;  // known_: without guessed objects; source of the surfels' ids
   ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, known_.objects()};
   std::optional<Truth> truth_;
   std::optional<RegionSource> regions_;

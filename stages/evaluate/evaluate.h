@@ -1,5 +1,5 @@
-// evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
-// normals, depth and mesh against the truth. README.md in this folder defines every figure.
+// The evaluate stage: quality metrics of the scene. It compares held-out views with their photos per region, and, with a truth
+// folder, poses, normals, depth and mesh with the ground truth. README.md in this folder defines every figure.
 //   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json; optional mesh/mesh.ply, masks, decompose
 //           and the truth folder
 //   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,

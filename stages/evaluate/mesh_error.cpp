@@ -144,7 +144,7 @@ ImageF mesh_zdepth(const TriMesh& mesh, const Intrinsics& k, const Rigid& cam_fr
   for (const auto& face : mesh.faces) {
     const std::array<Vec3d, 3> v{in_cam[face[0]], in_cam[face[1]], in_cam[face[2]]};
     if (v[0].z <= near_z && v[1].z <= near_z && v[2].z <= near_z) continue;
-    std::array<Vec3d, 4> polygon;  // a triangle cut by one plane has at most four corners
+    std::array<Vec3d, 4> polygon;  // a triangle clipped by one plane has at most four corners
     size_t corners = 0;
     for (size_t i = 0; i < 3; ++i) {
       const Vec3d &p = v[i], &q = v[(i + 1) % 3];

@@ -1,4 +1,4 @@
-// How the ids of objects that surfels carry agree with the label images of held-out photos, which took no part in giving them.
+// Consistency of the surfels' object ids with the label images of held-out photos, which were not used to assign the ids.
 #pragma once
 
 #include <map>
@@ -15,10 +15,10 @@ class ObjectAgreement {
       : diffuse_(diffuse), near_z_(near_z), objects_(objects) {}
   void add(LabelledView photo);
 
-  // Of each object: pixels of the photos that show it by both, over those that show it by either; rendered_objects() and labels.
+  // IoU of each object between rendered_objects() and the labels, over all added photos.
   std::map<uint16_t, double> iou() const;
-  // Share of the surfels that these photos show whose id is the label of most of their pixels; nullopt without a photo or an id.
-  // What has no id and is seen through thin glass counts for neither.
+  // Share of the surfels visible in these photos whose id is the label of most of their pixels; nullopt without a photo or an id.
+  // Surfels without id seen through thin glass are excluded.
   std::optional<double> surfel_accuracy() const;
 
  private:

@@ -16,9 +16,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kErrorWhite = 0.25;                   // sRGB difference that is white
+constexpr double kErrorWhite = 0.25;                   // sRGB difference shown as white
 constexpr double kDepthLow = 0.02, kDepthHigh = 0.98;  // quantiles: nearest, farthest
-// Dark to light with rising luminance, so that it reads in grey as well.
+// Colour ramp of increasing luminance, readable in grey too.
 constexpr std::array<std::array<double, 3>, 6> kRamp{
     {{0, 0, 0}, {0.22, 0.05, 0.42}, {0.62, 0.13, 0.45}, {0.93, 0.38, 0.22}, {0.99, 0.76, 0.22}, {1, 1, 0.92}}};
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kBelongs = 0.5f;
 
-// 1 where `mask` is 1 and none of `others` is.
+// 1 where `mask` is 1 and all `others` are 0.
 ImageF without(const ImageF& mask, std::initializer_list<const ImageF*> others) {
   ImageF out = mask;
   for (const ImageF* other : others)

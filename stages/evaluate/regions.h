@@ -1,6 +1,6 @@
-// Parts of a picture that are scored apart: glass (transparent), mirrors and gloss (specular), gloss without glass (reflective),
-// the object, and the rest = in neither the transparent nor the specular class. An opaque method is judged on the rest. Where the
-// truth knows coats, what is reflective is divided: clear coats over paint (coated), and metal and mirrors (mirror).
+// Image regions with separate scores: glass (transparent), mirrors and glossy surfaces (specular), specular without glass
+// (reflective), the object, and the rest = neither transparent nor specular, which is the region to compare opaque methods on. If
+// the truth has coats, reflective is divided into clear coats over paint (coated), and metal and mirrors (mirror).
 #pragma once
 
 #include <filesystem>
@@ -14,21 +14,21 @@
 
 namespace vitrine {
 
-// Region name -> one channel of 0 and 1 at render size. Absent: no mask of that class for this view; `rest` is there when the
-// transparent or the specular mask is, `reflective` when the specular one is, `coated` when `coated` is given, `mirror` when that
-// and the specular mask are.
+// Region name -> one channel of 0 and 1 at render size. Absent: the view has no mask of that class. `rest` requires the
+// transparent or the specular mask, `reflective` the specular one, `coated` requires `coated`, and `mirror` both `coated` and the
+// specular mask.
 using RegionMasks = std::map<std::string, ImageF>;
 const ImageF* mask_of(const RegionMasks& masks, const char* region);  // nullptr: absent
 
-// The regions of a capture's views: of the truth's masks where it has any, else of the stages masks and objects.
+// Provider of region masks: from the truth's masks if it has any, else from the stages masks and objects.
 class RegionSource {
  public:
-  // `truth`: or nullptr; it must outlive this, like `objects`.
+  // `truth`: or nullptr; it and `objects` must outlive this.
   RegionSource(const Truth* truth, const std::optional<std::filesystem::path>& masks, const LabelledObjects& objects)
       : truth_(truth != nullptr && truth->has_maps("mask") ? truth : nullptr), masks_(masks), objects_(objects) {}
-  // "truth", "objects", or empty: there are none.
+  // "truth", "objects", or empty: none.
   const char* from() const { return truth_ != nullptr ? "truth" : masks_ || !objects_.objects().empty() ? "objects" : ""; }
-  // Of the view with that index, at render size.
+  // Masks of the view with that index, at render size.
   RegionMasks of(size_t index, const View& view, const Intrinsics& intrinsics) const;
 
  private:
@@ -50,12 +50,12 @@ void keep_within(const ImageF& mask, ImageF& image);
 
 struct RegionError {
   SquaredError squared;
-  LocalCorrelation correlation;  // of held-out views; nothing in it of others
+  LocalCorrelation correlation;  // empty outside held-out views
 };
-// Of each region with at least `min_pixels` pixels, over its pixels and channels.
+// Errors of each region with at least `min_pixels` pixels, over its pixels and channels.
 using RegionErrors = std::map<std::string, RegionError>;
 RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels, bool heldout);
-// nullopt: fewer pixels than that.
+// nullopt: fewer than `min_pixels` pixels.
 std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels,
                                         bool heldout);
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kFewestPixels = 64;
 
-// One view under one environment, truth and ours at the same pixels, linear.
+// One view under one environment, truth and ours on the same pixels, linear.
 struct Pair {
   size_t view = 0;
   ImageF truth, ours, known, object, opaque;  // the last three: 0 or 1
@@ -139,7 +139,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regio
     std::ranges::for_each(scene.materials.albedo, scaled);
     std::ranges::for_each(scene.materials.albedo_behind_glass, scaled);
     std::ranges::for_each(scene.surroundings.colors, scaled);
-    // Albedos that are too bright were found under a light that is too dim; what stands under glass is lit in proportion to it.
+    // An albedo that is too bright implies captured light that is too dim; this light illuminates the content behind glass.
     ImageF light = scene.captured.map();
     for (size_t i = 0; i < light.pixel_count(); ++i)
       for (size_t c = 0; c < 3; ++c) light.data()[3 * i + c] /= std::max(float((*desc.albedo_scale)[c]), 1e-6f);
@@ -153,7 +153,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regio
     for (size_t v = 0; v < desc.views.size(); ++v)
       if (desc.truth.has_relit(names[e], v)) shown.push_back(v);
     if (shown.empty()) continue;
-    // Evenly spread.
+    // Uniformly spaced.
     const size_t count = std::min(shown.size(), size_t(desc.max_views));
     const Environment map = read_environment(desc.truth.folder() / "env" / (names[e] + ".exr"));
     painter.set_lighting({.environment = map.turned(cast<float>(transposed(desc.truth_from_ours.rotation))),
@@ -165,7 +165,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regio
       const size_t v = shown[i * shown.size() / count];
       View view = desc.views[v];
       const auto truth = desc.truth.relit(names[e], v, view.intrinsics);
-      // A pixel of the truth is a mean over its area: ours are painted at the size of the photo and then averaged.
+      // A truth pixel is a mean over its area: ours is rendered at photo size and then averaged.
       const Intrinsics k = view.intrinsics.limited_to(truth->intrinsics.longest_side());
       const double finer = double(view.intrinsics.width) * view.intrinsics.height / (double(k.width) * k.height);
       const RelitPicture picture = painter.picture(view, {.samples = std::max(1, int(std::lround(desc.samples / finer)))});

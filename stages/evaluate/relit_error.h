@@ -1,7 +1,7 @@
-// The scene under other lights against truth/relit/<name>/<stem>.exr, lit by truth/env/<name>.exr alone (algorithms 8.2). Albedo
-// is known up to one factor per channel: with a truth albedo the albedo is multiplied by the factors that its own score found,
-// else each environment's pictures get the median of truth / ours over the object; `scale_mode` says which. Both pictures go to
-// sRGB, clipped, at the coarser of their sizes.
+// Relighting error against truth/relit/<name>/<stem>.exr, lit only by truth/env/<name>.exr (algorithms 8.2). Albedo has one
+// unknown factor per channel: with a truth albedo, ours is multiplied by the factors of its own score; otherwise the pictures of
+// each environment are multiplied by the median of truth / ours over the object. `scale_mode` contains the choice. Both pictures
+// are compared in sRGB, clipped, at the coarser of their sizes.
 #pragma once
 
 #include <functional>
@@ -17,29 +17,29 @@
 
 namespace vitrine {
 
-// What the relit pictures of one environment scored.
+// Scores of the relit pictures of one environment.
 struct RelitScore {
   std::string environment;
-  // The object outside the glass; the object with what glass shows of it; all pixels; all pixels.
+  // The object outside the glass; the object including its parts behind glass; all pixels; all pixels.
   std::optional<double> psnr, with_glass_psnr, everywhere_psnr, ssim;
-  std::map<std::string, double> region_psnr;  // of all regions but the object
-  Vec3d scale{1, 1, 1};                       // of the pictures, where the albedo was not scaled
-  size_t views = 0;                           // that show something of the truth
+  std::map<std::string, double> region_psnr;  // of all regions except the object
+  Vec3d scale{1, 1, 1};                       // of the pictures, if the albedo was not scaled
+  size_t views = 0;                           // with visible ground truth
 };
 
 struct RelitErrorDesc {
   const Truth& truth;
-  const std::vector<View>& views;  // in the order that the truth knows
+  const std::vector<View>& views;  // in the order of the truth
   Similarity truth_from_ours;
   std::optional<Vec3d> albedo_scale;
   int samples = 32, max_views = 4;
   std::filesystem::path pictures;  // <name>/<stem>.png: truth and ours side by side; empty: none
 };
 
-// Regions of a view at a size.
+// Regions of a view at the given size.
 using RelitRegions = std::function<RegionMasks(size_t view, const Intrinsics&)>;
 
-// One score per environment that has pictures. `progress` gets a fraction.
+// One score per environment with pictures. `progress` receives a fraction.
 std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regions, const RelitErrorDesc& desc,
                                      const std::function<void(double)>& progress);
 // Environments of the truth that have a map and pictures, by name.

@@ -165,7 +165,7 @@ const RegionError* found(const std::map<Key, RegionError>& errors, const Key& ke
   return it == errors.end() ? nullptr : &it->second;
 }
 
-// Of what held-out views show of one region; empty: none does.
+// Mean scores of held-out views for one region; empty: no view contains it.
 template <class ErrorOf>
 Json heldout_score(const Evaluation& e, const ErrorOf& error_of) {
   std::vector<double> psnr;

@@ -1,5 +1,5 @@
-// The figures of one evaluation, and their two files: eval/metrics.json (nested; a figure that could not be measured is absent
-// and `not_measured` says why) and eval/per_view.csv.
+// Results of one evaluation, and their files: eval/metrics.json (nested; missing figures are listed with a reason in
+// `not_measured`) and eval/per_view.csv.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +26,7 @@ struct ViewScore {
   std::map<uint16_t, RegionError> objects;  // by id in the table of objects
   std::optional<PoseError> pose;
   std::optional<double> normal_mae_deg, zdepth_rel;
-  std::optional<double> neutral_shift;  // nullopt: too few bright, neutral and plain pixels
+  std::optional<double> neutral_shift;  // nullopt: too few bright, neutral and textureless pixels
 };
 
 struct SurfaceScore {
@@ -38,7 +38,7 @@ struct TruthScores {
   std::vector<PoseError> poses;
   std::optional<double> normal_mae_deg, normal_median_deg, object_normal_mae_deg, zdepth_rel;
   std::map<std::string, SurfaceScore> regions;  // over all scored views
-  std::optional<double> transmitted_psnr;       // mean over the views that have such a truth
+  std::optional<double> transmitted_psnr;       // mean over the views with this ground truth
   size_t transmitted_views = 0;
   std::optional<AlbedoScores> albedo;
   std::vector<RelitScore> relit;
@@ -58,9 +58,9 @@ struct Evaluation {
     std::string name, role, trust;  // as in objects.json
     std::optional<double> iou;      // (object_agreement.h)
   };
-  std::map<uint16_t, ObjectScore> objects;          // by id: those of the table of objects that some held-out view shows
-  std::optional<double> surfel_objects;             // share of surfels with the right id
-  std::string regions_from;                         // "truth", "objects", or empty: there are none
+  std::map<uint16_t, ObjectScore> objects;          // by id: objects of the table visible in some held-out view
+  std::optional<double> surfel_objects;             // share of surfels with the correct id
+  std::string regions_from;                         // "truth", "objects", or empty: none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };
 
@@ -68,14 +68,14 @@ struct MeanScore {
   double psnr = 0, ssim = 0;
   size_t views = 0;
 };
-// Mean over the environments, nullopt without one.
+// Mean over the environments; nullopt without any.
 std::optional<double> mean_relit_psnr(const TruthScores& t);
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout);
-// The held-out view whose neutral pixels have the strongest colour in the render; nullptr: no view has enough of them.
+// Held-out view with the strongest colour cast in neutral pixels; nullptr: no view has enough of them.
 const ViewScore* strongest_neutral_shift(const Evaluation& e);
 std::string metrics_json(const Evaluation& e);
 std::string per_view_csv(const Evaluation& e);
-// What a terminal shows of it.
+// Summary for the terminal.
 std::string summary_line(const Evaluation& e);
 
 }  // namespace vitrine

@@ -16,12 +16,12 @@ namespace vitrine {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMaxAspectError_px = 2;  // rounding of a reduced map; more means another picture
+constexpr double kMaxAspectError_px = 2;  // rounding of a reduced map; a larger error means another picture
 constexpr double kMaxTurn_deg = 3;
 constexpr int kMaskSubsamples = 3;  // odd: a majority always exists
 constexpr float kMaskLevel = 0.5f;
 
-// "../photos/img_0001" names the view "img_0001", "x/cam0/a" names "cam0/a"; "img_10" is not "0".
+// "../photos/img_0001" matches the view "img_0001", "x/cam0/a" matches "cam0/a"; "img_10" does not match "0".
 bool names_view(const std::string& truth_stem, const std::string& stem) {
   if (truth_stem == stem) return true;
   return truth_stem.size() > stem.size() && truth_stem.ends_with(stem) && truth_stem[truth_stem.size() - stem.size() - 1] == '/';
@@ -33,7 +33,7 @@ ImageF channels_of(const ExrImage& exr, std::initializer_list<std::string_view> 
     const auto it = std::find(exr.channels.begin(), exr.channels.end(), n);
     if (it != exr.channels.end()) indices.push_back(int(it - exr.channels.begin()));
   }
-  if (indices.size() != names.size() && exr.channels.size() == names.size()) {  // one plain channel set under other names
+  if (indices.size() != names.size() && exr.channels.size() == names.size()) {  // a plain channel set with other names
     indices.clear();
     for (size_t i = 0; i < names.size(); ++i) indices.push_back(int(i));
   }
@@ -72,7 +72,7 @@ Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::mov
   for (const View& v : views) stems_.push_back(v.stem());
   has_transforms_ = fs::exists(transforms_path());
   if (!has_transforms_) return;
-  // Without w and h a truth camera has the size of its photo.
+  // Without w and h, a truth camera has the size of its photo.
   const auto size_of = [&](const std::string& name) -> std::optional<PictureSize> {
     const std::string stem = fs::path(name).replace_extension().generic_string();
     for (size_t i = 0; i < views.size(); ++i)
@@ -147,8 +147,8 @@ std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics, L
   const ImageF map = channels_of(read_exr(path), {"Z"}, path);
   const Mat3d truth_from_ours = turn(view, frame);
   ImageF out = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics, truth_from_ours);
-  // The map's z is along the truth camera's axis. A point at z on our axis is z r with our ray r = (x, y, 1), and z (R r).z on
-  // the truth's.
+  // The map's z is along the truth camera's axis. A point at depth z on our axis is z r with our ray r = (x, y, 1), and has the
+  // depth z (R r).z on the truth's axis.
   for (int y = 0; y < out.height(); ++y)
     for (int x = 0; x < out.width(); ++x)
       out.at(x, y) = float(out.at(x, y) / (truth_from_ours * intrinsics.ray(x + 0.5, y + 0.5)).z);
@@ -207,7 +207,7 @@ std::optional<ImageF> Truth::mask_file(std::string_view kind, size_t view, const
   const fs::path path = folder_ / "mask" / kind / (stems_[view] + ".png");
   if (!fs::exists(path)) return std::nullopt;
   const ImageF map = floats_of(read_grey8(path));
-  // Area vote: nearest samples on a 3x3 grid inside each of our pixels, so that thin parts survive a coarser render.
+  // Majority of nearest samples on a 3x3 grid inside each of our pixels, which keeps thin parts in a coarser render.
   const Intrinsics fine = intrinsics.scaled_to(intrinsics.width * kMaskSubsamples, intrinsics.height * kMaskSubsamples);
   const ImageF votes = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), fine, turn(view, frame));
   ImageF out(intrinsics.width, intrinsics.height, 1);

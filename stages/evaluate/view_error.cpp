@@ -18,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-// As `k`, but no finer than `width` pixels across.
+// `k`, limited to `width` pixels.
 Intrinsics no_finer(const Intrinsics& k, int width) {
   if (width >= k.width) return k;
   return k.scaled_to(width, std::max(1, int(std::lround(double(k.height) * width / k.width))));
@@ -28,10 +28,10 @@ float encoded(double linear) { return srgb_from_linear(float(std::clamp(linear, 
 
 // sRGB values of a photo.
 constexpr float kBright = 0.5f;
-constexpr float kNeutral = 0.03f;  // between two channels of a pixel: 5 to 7 % in linear light
-constexpr float kPlain = 0.04f;    // between two pixels of the neighbourhood, in any channel: noise and JPEG, no texture
+constexpr float kNeutral = 0.03f;  // difference of two channels of a pixel: 5 to 7 % in linear light
+constexpr float kPlain = 0.04f;    // difference of two pixels in the neighbourhood, in any channel: noise and JPEG, no texture
 constexpr int kRadius = 2;         // of the neighbourhood
-constexpr double kBlack = 1e-3;    // of a render in linear light: its logarithm stays finite
+constexpr double kBlack = 1e-3;    // lower bound of a render in linear light: keeps its logarithm finite
 
 bool plain_and_neutral(const ImageF& photo, const ImageF& counts, int x, int y) {
   const float* middle = photo.pixel(x, y);
