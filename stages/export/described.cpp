@@ -1,4 +1,3 @@
-// Cost estimate of the export stage.
 #include "stages/export/export.h"
 
 namespace vitrine {

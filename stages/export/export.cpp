@@ -81,7 +81,7 @@ void run_export(const ExportConfig& config, StageContext& context) {
       source.add_note("not written: it needs the decompose stage");
     else
       throw without_albedo(format);
-    // They are exported, kept and replaced one by one: none may be part of two.
+    // Formats are exported, kept and replaced individually: no file may belong to two.
     for (const std::string& file : files) VITRINE_CHECK(all.insert(file).second, "two formats write {}", file);
     written.push_back({{"format", format.name},
                        {"summary", format.summary},

@@ -1,6 +1,6 @@
-// export: the scene in other programs' formats (formats/registry.cpp). README.md in this folder lists them.
+// The export stage: the scene in the formats of other programs (formats/registry.cpp). README.md in this folder lists them.
 //   reads   sfm/{images,sparse/0,scene.json,sfm/passes.json}, gaussians/*.ply, mesh/mesh.ply, decompose/materials.ply (optional)
-//   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
+//   writes  export/<files of the chosen formats>, export/formats.json (files, their contents and losses)
 #pragma once
 
 #include "stages/export/formats/format.h"
@@ -16,12 +16,12 @@ struct ExportConfig {
   int texture_size = 0;
 };
 void describe(Describer& d, ExportConfig& c);
-std::string problem(const ExportConfig& config);  // empty, or which format is listed twice or which options exclude each other
+std::string problem(const ExportConfig& config);  // empty, or the error: a duplicate format or mutually exclusive options
 
 void run_export(const ExportConfig& config, StageContext& context);
 Stage export_stage();
 StageCost export_cost(const CostTerms& terms);
-// What each format holds and loses, as text of at most 100 columns.
+// Contents and losses of each format, as text of at most 100 columns.
 std::string format_table();
 
 }  // namespace vitrine

@@ -15,9 +15,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kGrowCosine = 0.5f;    // of a face's normal to the chart's, while it grows: 60 degrees
-constexpr float kMergeCosine = 0.17f;  // when a crumb is given to the chart beside it: 80 degrees
-constexpr size_t kCrumbFaces = 6;      // charts of fewer faces are given away if somebody takes them
+constexpr float kGrowCosine = 0.5f;    // between the normals of face and chart during growth: 60 degrees
+constexpr float kMergeCosine = 0.17f;  // when a small chart is merged into its neighbour: 80 degrees
+constexpr size_t kCrumbFaces = 6;      // charts with fewer faces are merged if possible
 constexpr int kSmoothings = 4;
 constexpr int kPadding = 2;  // free texels around each chart
 
@@ -26,7 +26,7 @@ Vec3f safe_normalized(const Vec3f& v, const Vec3f& otherwise) {
   return l > 1e-20f ? v / l : otherwise;
 }
 
-// Marks which texels of which chart are taken, in tiles of 32 x 32 bits.
+// Occupied texels per chart, as bit masks in tiles of 32 x 32.
 class Occupancy {
  public:
   bool taken(uint32_t chart, int x, int y) const {
@@ -47,7 +47,7 @@ class ChartMaker {
  public:
   ChartMaker(const TriMesh& mesh, Atlas& atlas) : mesh_(mesh), atlas_(atlas), neighbours_(neighbour_faces(mesh)) {
     measure_normals();
-    centre_ = mesh.positions[mesh.faces[0][0]];  // near the faces: texel coordinates stay small
+    centre_ = mesh.positions[mesh.faces[0][0]];  // near the faces: keeps texel coordinates small
   }
 
   void run() {
@@ -55,7 +55,7 @@ class ChartMaker {
     atlas_.chart_of_face.assign(n, kNoFace);
     for (uint32_t f = 0; f < n; ++f) {
       if (atlas_.chart_of_face[f] != kNoFace) continue;
-      // A first growth finds the region, the second one starts from its mean normal.
+      // The first growth finds the region, the second starts from its mean normal.
       Vec3f sum{};
       for (uint32_t g : grown(f, frame_of(smooth_[f]), false)) sum += area_[g] * normal_[g];
       const Vec3f mean = safe_normalized(sum, normal_[f]);
@@ -89,13 +89,13 @@ class ChartMaker {
   }
 
   static AtlasChart frame_of(const Vec3f& normal) {
-    // World up stays up in the texture where it can.
+    // Keeps world up as texture up where possible.
     const Vec3f up_hint = std::abs(normal.z) < 0.9f ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0};
     const Vec3f u = normalized(cross(up_hint, normal));
     return {.u = u, .up = cross(normal, u), .normal = normal};
   }
 
-  // Whether the face's texels are free in the chart; takes them if so.
+  // Marks the face's texels in the chart if all are free; otherwise returns false.
   bool take_texels(uint32_t face, uint32_t chart, const AtlasChart& frame) {
     Vec2f corner[3];
     for (size_t k = 0; k < 3; ++k) {
@@ -108,7 +108,7 @@ class ChartMaker {
     return free;
   }
 
-  // Faces reached from the seed. With `keep` they become the newest chart's; without, it is only a look.
+  // Faces reached from the seed. `keep`: assigns them to the newest chart; otherwise a dry run.
   std::vector<uint32_t> grown(uint32_t seed, const AtlasChart& frame, bool keep) {
     const auto chart = uint32_t(atlas_.charts.size() - (keep ? 1 : 0));
     std::vector<uint32_t> faces;
@@ -147,7 +147,7 @@ class ChartMaker {
           break;
         }
       }
-    // Empty charts leave the list.
+    // Removes empty charts.
     std::vector<uint32_t> moved(atlas_.charts.size());
     uint32_t kept = 0;
     for (uint32_t c = 0; c < atlas_.charts.size(); ++c) {
@@ -165,7 +165,7 @@ class ChartMaker {
   Vec3f centre_{};
   std::vector<Vec3f> normal_, smooth_;
   std::vector<float> area_;
-  std::vector<size_t> sizes_;  // faces of each chart
+  std::vector<size_t> sizes_;  // faces per chart
   Occupancy occupancy_;
   std::vector<uint32_t> visited_;
   uint32_t visit_ = 0;
@@ -186,7 +186,7 @@ Extent extent(std::span<const Vec3f> points, const Vec3f& u, const Vec3f& up) {
   return e;
 }
 
-// Turns the chart's frame about its normal to the smallest of 16 rectangles, the long side along u.
+// Rotates the chart's frame about its normal to the smallest of 16 rectangles, the long side along u.
 Extent turned_to_smallest(AtlasChart& chart, std::span<const Vec3f> points) {
   Extent best;
   Vec3f best_u = chart.u, best_up = chart.up;
@@ -197,7 +197,7 @@ Extent turned_to_smallest(AtlasChart& chart, std::span<const Vec3f> points) {
     const Vec3f u = std::cos(angle) * chart.u + std::sin(angle) * chart.up, up = cross(chart.normal, u);
     const Extent e = extent(points, u, up);
     const Vec2f s = e.size();
-    // A tenth better, or the first one stays; lying rectangles only: those pack well.
+    // Requires an improvement of 10 % over the first; only landscape rectangles, which pack well.
     if (s.x < s.y || !(s.x * s.y < (i == 0 ? 1e30f : 0.9f * best_area))) continue;
     best = e, best_u = u, best_up = up, best_area = s.x * s.y;
   }
@@ -205,14 +205,14 @@ Extent turned_to_smallest(AtlasChart& chart, std::span<const Vec3f> points) {
   return best_area < 1e30f ? best : extent(points, best_u, best_up);
 }
 
-// Rectangles from high to low, each where its upper side comes to lie highest in the texture (rows go down, the skyline is the
-// lower border of what is taken). False: they do not fit.
+// Skyline packing: rectangles by descending height, each at the position with the highest upper side in the texture (rows go
+// down, the skyline is the lower border of the occupied area). False: they do not fit.
 bool packed(std::vector<AtlasChart>& charts, int size) {
   std::vector<uint32_t> order(charts.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::stable_sort(order, [&](uint32_t a, uint32_t b) { return charts[a].height > charts[b].height; });
   struct Step {
-    int x, y;  // from here to the next step, rows below y are free
+    int x, y;  // up to the next step, rows below y are free
   };
   std::vector<Step> sky{{0, 0}};
   for (uint32_t i : order) {
@@ -226,7 +226,7 @@ bool packed(std::vector<AtlasChart>& charts, int size) {
     }
     if (best == sky.size()) return false;
     c.x = sky[best].x, c.y = best_y;
-    // What the rectangle covers becomes one step; the last one covered goes on behind it.
+    // The covered steps become one; the last one continues to the right of the rectangle.
     size_t end = best;
     while (end < sky.size() && sky[end].x < c.x + c.width) ++end;
     const int behind = sky[end - 1].y, next = end < sky.size() ? sky[end].x : size;
@@ -292,7 +292,7 @@ Atlas make_atlas(const TriMesh& mesh, int size) {
   Atlas atlas;
   atlas.size = size > 0 ? size : size_for(mesh);
   const double area = std::max(total_area(mesh), 1e-12);
-  // Needles have a length but hardly an area: their length bounds the texels as well.
+  // Degenerate thin faces have length but almost no area: the length limits the texel density too.
   atlas.texels_per_unit =
       std::min(float(double(atlas.size) * std::sqrt(0.75 / area)), 4 * float(atlas.size) / std::max(diagonal(mesh), 1e-12f));
   ChartMaker(mesh, atlas).run();
@@ -303,7 +303,7 @@ Atlas make_atlas(const TriMesh& mesh, int size) {
   std::vector<Extent> extents;
   for (size_t c = 0; c < atlas.charts.size(); ++c) extents.push_back(turned_to_smallest(atlas.charts[c], points[c]));
 
-  // The largest texels that fit. Thousands of crumbs that are all padding: less padding.
+  // Largest texel size that fits. Thousands of small charts are mostly padding, which is then reduced.
   constexpr float kShrink = 0.96f;
   const float first = atlas.texels_per_unit;
   for (int padding = kPadding;; atlas.texels_per_unit *= kShrink) {

@@ -1,8 +1,7 @@
-// A texture atlas of a triangle mesh: charts are connected groups of faces that look roughly the same way, each projected
-// along its mean normal onto a plane (so texels have one size, stretched at most by 1 / cos(80 deg) where a face is steep),
-// turned to their smallest rectangle and packed. No two charts overlap, and within a chart a face that would land on
-// texels that are taken starts a chart of its own.
-//   texel (x, y) of a point p of chart c:  x = c.origin.x + s p.u,  y = c.origin.y - s p.up   (s = texels_per_unit, rows go down)
+// Texture atlas of a triangle mesh. Charts are connected faces with similar normals, projected along their mean normal onto a
+// plane (uniform texel size, stretched at most by 1 / cos(80 deg) on steep faces), rotated to their smallest rectangle and
+// packed. Charts do not overlap, and a face that would overlap texels of its own chart starts a new chart.
+//   texel (x, y) of a point p in chart c:  x = c.origin.x + s p.u,  y = c.origin.y - s p.up   (s = texels_per_unit, rows go down)
 #pragma once
 
 #include <array>
@@ -32,19 +31,19 @@ struct Atlas {
   }
 };
 
-// `size`: texels on each side; 0: so that an edge of the mesh gets four texels, a power of two in [256, 4096]. Throws
-// Error{Usage} when the charts do not fit, however small.
+// `size`: texels per side; 0: a power of two in [256, 4096] with about four texels per mesh edge. Throws Error{Usage} if the
+// charts do not fit at any scale.
 Atlas make_atlas(const TriMesh& mesh, int size);
 
-// Which face owns each texel, and where in it: texels in order of rows.
+// Owning face and position of each covered texel, in row order.
 struct AtlasTexel {
   uint32_t x, y, face;
   Vec3f barycentric;
 };
 std::vector<AtlasTexel> covered_texels(const Atlas& atlas, const TriMesh& mesh);
 
-// Faces on either side of each edge of each face: [f][edge k joins corners k and k+1], kNoFace where there is none (or where
-// more than two faces meet).
+// Adjacent faces across each edge: [f][edge k joins corners k and k+1], kNoFace if there is none (or if more than two faces
+// meet).
 inline constexpr uint32_t kNoFace = 0xffffffffu;
 std::vector<std::array<uint32_t, 3>> neighbour_faces(const TriMesh& mesh);
 

@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kDielectricUpTo = kSpecularColorFactor * kDielectricF0, kMetalFrom = 0.6f;  // mean reflectance
-constexpr float kTrustedNormal = 0.5f;  // cosine: a surfel that leans further away from the mesh says nothing about it
+constexpr float kTrustedNormal = 0.5f;  // cosine: the normal of a surfel tilted further from the mesh is ignored
 
 uint8_t byte(float v) { return uint8_t(std::lround(255.f * std::clamp(v, 0.f, 1.f))); }
 uint8_t srgb_byte(float linear) { return byte(srgb_from_linear(std::clamp(linear, 0.f, 1.f))); }
@@ -35,10 +35,10 @@ SurfelMaterial blended(std::span<const SurfaceSample> at, const std::array<uint3
   return out;
 }
 
-// One vertex for each pair of (vertex, chart), in order of first use; a part for each pair of (object, class).
+// One vertex per pair (vertex, chart), in order of first use; one part per pair (object, class).
 void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const SurfaceSample> at_vertex, const SolidGlass* solid,
                     PbrMesh& out) {
-  // Vertices of one mesh vertex form a chain through `next`.
+  // The copies of a mesh vertex form a linked list through `next`.
   std::vector<uint32_t> first(mesh.positions.size(), kNoFace), next, chart_of;
   std::map<std::pair<uint16_t, FaceClass>, std::vector<std::array<uint32_t, 3>>> parts;
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -120,12 +120,12 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
     t.metallic_roughness.at(x, y, 1) = byte(p.roughness);
     t.metallic_roughness.at(x, y, 2) = byte(p.metallic);
     t.transmission.at(x, y) = byte(p.transmission);
-    // In the tangent frame of the texel: tangent = the chart's u made orthogonal to the normal.
+    // Normal in the tangent frame of the texel: tangent = the chart's u, orthogonalised to the normal.
     const AtlasChart& chart = atlas.charts[atlas.chart_of_face[texel.face]];
     const Vec3f& n = normals[i];
     Vec3f local{0, 0, 1};
     const Vec3f tangent = chart.u - dot(n, chart.u) * n;
-    // Solid glass bends light at its smooth shell (find_solid_glass), whatever its surfels say.
+    // Solid glass refracts at its smooth wall (find_solid_glass), so its surfel normals are ignored.
     const bool on_shell = solid && desc.solid->faces[texel.face];
     if (!on_shell && dot(samples[i].normal, n) > kTrustedNormal && squared_length(tangent) > 1e-4f) {
       const Vec3f unit = normalized(tangent);

@@ -14,8 +14,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kUnseen = 1e-3;      // summed weight, pixels: surfels that no picture shows keep their colour
-constexpr float kLeastStart = 0.05f;  // display value: below zero the clamp of colours would stop the fit for good
+constexpr double kUnseen = 1e-3;      // sum of weights, pixels: surfels below it are in no picture and keep their colour
+constexpr float kLeastStart = 0.05f;  // display value: clamped colours below zero have no gradient
 
 void encode_layer(SplatLayer& layer) {
   const size_t rest = layer.width(Attribute::ShRest);
@@ -29,7 +29,7 @@ void encode_layer(SplatLayer& layer) {
   }
 }
 
-// Raises the mean colour of surfels that are too dark to be fitted.
+// Raises the mean colour of surfels that are too dark for the fit.
 void lift_black(SplatLayer& layer) {
   constexpr float kLeast = (kLeastStart - 0.5f) / kShDc;
   for (float& v : layer.values(Attribute::ShDc)) v = std::max(v, kLeast);
@@ -72,7 +72,7 @@ PreviewFit fit_preview(const TrainedScene& scene, std::span<const View> views, c
   const double degree = layer.sh_degree() + 1, basis_energy = degree * degree / (4 * std::numbers::pi);
   RasterImages images, residual;
   std::vector<double> weight(layer.size(), 0);
-  // One round: residuals of all pictures, and, but for the last, a step. Returns the mean squared residual.
+  // One iteration: residuals of all pictures, and, except in the last, a step. Returns the mean squared residual.
   const auto round = [&](bool step) {
     SplatLayer grad = layer.zeros_like();
     std::ranges::fill(weight, 0.0);
@@ -93,7 +93,7 @@ PreviewFit fit_preview(const TrainedScene& scene, std::span<const View> views, c
       }
       values += target.srgb.size();
       if (!step) continue;
-      // The reverse of the rasteriser sums w Y r for us; gradients of other attributes are thrown away.
+      // The rasteriser's backward pass computes the sum of w Y r; other gradients are discarded.
       for (Aov aov : {Aov::ZDepth, Aov::Alpha, Aov::MedianZ}) residual.planes[size_t(aov)].clear();
       SurfelStatistics statistics;
       renderer->backward({.gradients = &residual}, grad, &statistics);

@@ -11,9 +11,9 @@ namespace vitrine {
 
 namespace {
 
-// The shell was smoothed out of this mesh and left it by less than a voxel, a third of the tolerance.
+// The glass wall is this mesh after smoothing, which moved it by less than a voxel, a third of the tolerance.
 constexpr float kSmoothed = 1 / 3.f;
-constexpr float kSameSide = 0.5f;  // cosine between the two normals
+constexpr float kSameSide = 0.5f;  // cosine between both normals
 constexpr size_t kPlaces = 256;
 
 }  // namespace
@@ -46,7 +46,7 @@ SolidGlass find_solid_glass(TriMesh& mesh, const ThickGlass& glass) {
   for (const float t : out.thickness)
     if (t > 0) known.push_back(t);
   if (known.empty()) return {.ior = glass.ior(), .faces = std::vector<uint8_t>(mesh.faces.size()), .thickness = out.thickness};
-  // Over a hole of the shell (it stands on something): as thick as elsewhere.
+  // Holes of the wall (the object's base): use the median thickness.
   const float middle = upper_median(std::move(known));
   for (size_t v = 0; v < on_shell.size(); ++v)
     if (on_shell[v] && !(out.thickness[v] > 0)) out.thickness[v] = middle;

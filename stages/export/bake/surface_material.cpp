@@ -11,8 +11,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kLeastWeight = 0.05f;  // below: the ray only brushed the tail of something
-constexpr size_t kBatch = 1 << 18;     // rays traced at once: bounds the memory of the hit lists
+constexpr float kLeastWeight = 0.05f;  // with less, the ray only meets the tail of a Gaussian
+constexpr size_t kBatch = 1 << 18;     // rays per batch: limits the memory of the hit lists
 
 std::vector<Vec3f> disk_normals_of(const SplatLayer& layer) {
   std::vector<Vec3f> out(layer.size());
@@ -124,7 +124,7 @@ std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const 
     for (size_t i = 0; i < samples.size(); ++i) {
       if (count[i] == 0) continue;
       const float n = float(count[i]);
-      const SurfelMaterial& s = sum[i].material;  // its roughness began at 1
+      const SurfelMaterial& s = sum[i].material;  // roughness was initialised to 1
       samples[i].material = {s.color / n, s.f0 / n, (s.roughness - 1) / n, s.transmission / n};
       samples[i].weight = kLeastWeight;
       changed = true;

@@ -15,7 +15,7 @@ struct Level {
   std::vector<uint8_t> known;
 };
 
-// Means of the known among each 2 x 2.
+// Mean of the known texels of each 2 x 2 block.
 Level coarser(const Level& fine, int channels) {
   Level out{(fine.width + 1) / 2, (fine.height + 1) / 2, {}, {}};
   const size_t n = size_t(out.width) * size_t(out.height), count = size_t(channels);

@@ -1,5 +1,5 @@
-// Which texels a triangle covers: those whose centre lies inside. A centre on an edge belongs to the triangle right of the edge,
-// on a level edge to the one below (rows go down), so triangles that share an edge share no texel.
+// Triangle rasterisation to texels, by texel centre. A centre on an edge belongs to the triangle on the right of the edge, on a
+// horizontal edge to the one below (rows go down), so adjacent triangles share no texel.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace vitrine {
 
-// visit(x, y, barycentrics of the corners). Corners in texel coordinates: texel (0, 0) has its centre at (0.5, 0.5).
+// visit(x, y, barycentric coordinates). Corners are in texel coordinates: texel (0, 0) has its centre at (0.5, 0.5).
 template <class Visit>
 void for_texels_of(const Vec2f (&corner)[3], Visit&& visit) {
   Vec2d c[3];
@@ -39,10 +39,10 @@ void for_texels_of(const Vec2f (&corner)[3], Visit&& visit) {
     }
 }
 
-// Fills the texels that nothing was baked into with what is near them: averages of known texels, coarser and coarser, then back
-// (pull-push). Filtering and mip maps at the borders of charts then mix like with like.
+// Pull-push: fills unbaked texels with averages of nearby baked texels from coarser levels. Filtering and mip maps at chart
+// borders then blend similar values.
 
-// known: [h, w], not zero where the image holds a value. All of it unknown: black.
+// known: [h, w], nonzero where the image has a value. Without any value the result is black.
 void fill_gaps(Image8& image, std::span<const uint8_t> known);
 
 }  // namespace vitrine

@@ -7,7 +7,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kCacheForOverdraw = 1.05f;  // so much worse may the vertex cache do for less overdraw
+constexpr float kCacheForOverdraw = 1.05f;  // allowed worsening of the vertex cache for less overdraw
 constexpr uint32_t kUnused = ~0u;
 
 std::vector<uint32_t> drawing_order(const Triangles& triangles, std::span<const Vec3f> positions) {

@@ -1,4 +1,4 @@
-// The formats that are files of earlier stages as they are.
+// Export formats that copy files of earlier stages.
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/scene/camera/colmap_model.h"
@@ -9,8 +9,8 @@ namespace vitrine {
 
 namespace {
 
-// colmap: undistorted photos and the sparse model in the layout that trainers and multi-view stereo programs read: images/ and
-// sparse/0/ (binary and text). The frame is the scene's (up = +z, ring radius 1); scene.json holds the way back.
+// colmap: undistorted photos and the sparse model in COLMAP layout: images/ and sparse/0/ (binary and text). The frame is the
+// scene's (up = +z, ring radius 1); scene.json contains the inverse transform.
 std::vector<std::string> write_colmap(ExportSource& source, const fs::path& folder) {
   const fs::path sparse = source.sfm() / "sparse" / "0";
   std::vector<std::string> files;
@@ -30,9 +30,9 @@ std::vector<std::string> write_colmap(ExportSource& source, const fs::path& fold
   return files;
 }
 
-// environment: the light that the decompose stage found, as lat-long EXR of linear radiance. The scene's orientation: first row =
-// +z, centre = +x, counter-clockwise seen from above towards the left (core/scene/light/environment.h). Needs the decompose stage;
-// without it there is no file.
+// environment: the light from the decompose stage, as lat-long EXR of linear radiance. Orientation of the scene: first row = +z,
+// centre = +x, counter-clockwise seen from above towards the left (core/scene/light/environment.h). Without the decompose stage
+// there is no file.
 std::vector<std::string> write_environment(ExportSource& source, const std::filesystem::path& folder) {
   if (!source.decompose()) return {};
   const std::string file = "environment.exr";

@@ -1,6 +1,6 @@
-// What an export format is: a name, what it can hold, what is lost on the way, and a writer. The list is formats/registry.cpp,
-// one line per format; each format is one file beside it. The strings are the documentation (README, export/formats.json,
-// `vitrine export --list`).
+// Interface of an export format: name, contents, losses and writer. The list is formats/registry.cpp, one line per format; each
+// format has its own file in this folder. The strings are the documentation (README, export/formats.json, `vitrine export
+// --list`).
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@ namespace vitrine {
 struct ExportFormat {
   std::string_view name;     // the word in --set formats=[...]
   std::string_view summary;  // one line
-  std::string_view holds;    // what the files carry
-  std::string_view loses;    // what the scene has and the files have not
-  bool of_albedo = false;    // needs the decompose stage: without it left out where all formats are written, else an error
-  // Writes below `folder` and returns the paths written, relative to it.
+  std::string_view holds;    // contents of the files
+  std::string_view loses;    // scene data missing in the files
+  bool of_albedo = false;    // requires the decompose stage: without it skipped if all formats are written, else an error
+  // Writes to `folder` and returns the written paths, relative to it.
   std::vector<std::string> (*write)(ExportSource& source, const std::filesystem::path& folder);
 };
 

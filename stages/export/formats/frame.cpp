@@ -13,8 +13,8 @@ namespace {
 constexpr size_t kMaxCoefficients = 16;
 using BandMatrix = std::array<std::array<double, kMaxCoefficients>, kMaxCoefficients>;
 
-// Coefficients of the turned function: h'_k = sum_j M_kj h_j,  M_kj = integral of Y_k(d) Y_j(A^T d) over the sphere. The
-// integrand is a polynomial of degree 6: Gauss-Legendre in z with 8 nodes and 16 azimuths integrate it exactly.
+// Coefficients of the rotated function: h'_k = sum_j M_kj h_j,  M_kj = integral of Y_k(d) Y_j(A^T d) over the sphere. The
+// integrand is a polynomial of degree 6: Gauss-Legendre in z with 8 nodes and 16 azimuths is exact.
 BandMatrix turned_bands(const Mat3d& axes, int degree) {
   constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   constexpr std::array<double, 4> kWeight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
@@ -62,7 +62,7 @@ SplatLayer in_frame(const SplatLayer& layer, const ExportFrame& frame) {
   if (frame.identity()) return out;
   const size_t rest = layer.width(Attribute::ShRest) / 3;
   const BandMatrix bands = turned_bands(frame.axes, layer.sh_degree());
-  // A disk is its own mirror image when its normal is reversed, which makes the mirrored axes right-handed again.
+  // Reversing the normal of a mirrored disk gives right-handed axes again.
   const double handed = frame.mirrored() ? -1 : 1;
   for (size_t i = 0; i < out.size(); ++i) {
     float* mean = out.at(Attribute::Mean, i);

@@ -1,4 +1,4 @@
-// The formats of surfels in the PLY dialect of Gaussian splatting.
+// Surfel export formats in the PLY layout of Gaussian splatting.
 #include "core/foundation/math/color.h"
 #include "core/scene/surfels/activation.h"
 #include "stages/export/formats/format.h"
@@ -8,10 +8,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kNormalReach = 3;  // mean edges of the mesh: so far from it surfels still lie on it
+constexpr float kNormalReach = 3;  // mean edges of the mesh: largest distance of surfels on the mesh
 
-// ply-2dgs: the surfels as they are, in the layout of 2D Gaussian splatting: two scales, the disk normal is the third column of
-// the rotation. Colours stay linear Rec.709, so that nothing is rounded away; the header states it.
+// ply-2dgs: the surfels in the layout of 2D Gaussian splatting: two scales, the disk normal is the third column of the rotation.
+// Colours stay linear Rec.709 without loss; the header contains this.
 std::vector<std::string> write_ply_2dgs(ExportSource& source, const std::filesystem::path& folder) {
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_2dgs.ply";
@@ -22,8 +22,8 @@ std::vector<std::string> write_ply_2dgs(ExportSource& source, const std::filesys
   return {file};
 }
 
-// ply-3dgs: the surfels as very flat ellipsoids, for the viewers and editors of 3D Gaussian splatting. A third scale of
-// 1e-6 scene units makes the disk; colours become sRGB (encode_sh_for_display), which is what these programs show.
+// ply-3dgs: the surfels as very flat ellipsoids, for viewers and editors of 3D Gaussian splatting. The third scale is 1e-6 scene
+// units; colours become sRGB (encode_sh_for_display), as these programs expect.
 std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesystem::path& folder) {
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_3dgs.ply";
@@ -34,10 +34,10 @@ std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesys
   return {file};
 }
 
-// ply-albedo: the surfels as in ply-3dgs, for programs that light splats themselves. Their colour is the albedo of the decompose
-// stage, the same from all sides; their normals face out; and the materials stand behind the properties of the dialect:
+// ply-albedo: the surfels as in ply-3dgs, for programs that light splats. Their colour is the albedo of the decompose stage,
+// without view dependence; normals face outwards; the materials follow the standard properties:
 //   roughness  f0_r f0_g f0_b  specular_weight  transmission      linear, 0 to 1 (core/render/picture/decomposed_materials.h)
-// Colours are sRGB as in all files of the dialect. Surfels that show the light of the photos are no surface and left out.
+// Colours are sRGB as in all files of this layout. Surfels that represent the captured light are omitted.
 std::vector<std::string> write_ply_albedo(ExportSource& source, const std::filesystem::path& folder) {
   const DecomposedMaterials& found = source.decomposed();
   const SplatLayer& diffuse = source.diffuse();
@@ -76,9 +76,9 @@ std::vector<std::string> write_ply_albedo(ExportSource& source, const std::files
   return {file};
 }
 
-// preview-3dgs: all layers in one Gaussian scene for ordinary viewers. The other layers are not merged in: what mirrors show lies
-// at mirrored places and would be seen from everywhere. Instead the opaque twin of the scene, or its diffuse layer, takes on the
-// colours of the composed pictures (bake/preview_fit.h).
+// preview-3dgs: all layers in one Gaussian scene for ordinary viewers. The other layers are not merged in, because surfels of
+// reflections are at virtual positions and would be visible from everywhere. Instead the opaque twin, or the diffuse layer, gets
+// the colours of the composed pictures (bake/preview_fit.h).
 std::vector<std::string> write_preview_3dgs(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "preview_3dgs.ply";
   const ExportFrame frame = source.frame();

@@ -80,7 +80,7 @@ void encode_sh_for_display(std::span<float> sh) {
   const size_t coefficients = sh.size() / 3;
   for (size_t c = 0; c < 3; ++c) {
     const float linear = 0.5f + kShDc * sh[c];
-    double energy = 0;  // of the higher bands: integral of their sum squared over the sphere
+    double energy = 0;  // of the higher bands: integral of their squared sum over the sphere
     for (size_t k = 1; k < coefficients; ++k) energy += double(sh[3 * k + c]) * sh[3 * k + c];
     const float spread = float(std::sqrt(energy / (4 * std::numbers::pi)));
     const float slope = srgb_from_linear_slope(std::max(linear, spread));

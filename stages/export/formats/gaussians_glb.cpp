@@ -1,8 +1,8 @@
-// gaussians-glb: the merged preview (preview-3dgs) as glTF with KHR_gaussian_splatting. A primitive of points with the
+// Export format gaussians-glb: the merged preview (preview-3dgs) as glTF with KHR_gaussian_splatting. A point primitive with the
 // attributes
 //   POSITION, KHR_gaussian_splatting:ROTATION (x y z w), :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (vec3)
-// and COLOR_0 for viewers that show points only. The extension is a release candidate as of July 2026. SCALE is linear since
-// February 2026; drafts before had logarithms.
+// and COLOR_0 for viewers that show only points. The extension is a release candidate as of July 2026. SCALE is linear since
+// February 2026; earlier drafts had logarithms.
 #include <algorithm>
 #include <cmath>
 
@@ -32,7 +32,7 @@ std::vector<std::string> write_gaussians_glb(ExportSource& source, const std::fi
     const float* s = layer.at(Attribute::LogScale, i);
     scales[i] = {std::exp(s[0]), std::exp(s[1]), disk_thickness(frame)};
     opacities[i] = sigmoid(*layer.at(Attribute::Opacity, i));
-    // glTF's vertex colours are linear.
+    // glTF vertex colours are linear.
     for (size_t c = 0; c < 3; ++c)
       colors[i][c] = linear_from_srgb(std::clamp(0.5f + kShDc * layer.at(Attribute::ShDc, i)[c], 0.f, 1.f));
     colors[i][3] = opacities[i];

@@ -1,11 +1,10 @@
-// mesh-glb: the mesh as binary glTF 2.0 with textures baked from the surfels (bake/pbr_mesh.h says how our materials become
-// glTF's). The node "scene" has what belongs to no object, and a child for each object; a mesh has one primitive per class of
-// faces: "opaque", "glass" and "solid_glass". Glass is KHR_materials_transmission, which is the thin-walled case: light goes
-// straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a single sheet. Glass that the
-// refine stage found solid has KHR_materials_volume beside it, which bends light by the index of refraction; its thickness is in
-// the mesh's own space, like the positions, and what it absorbs is not said: nothing measured it. The file is +Y up whatever the
-// axes of the other formats: glTF knows no other. Its geometry is that of compact_mesh.h: the node "scene" has the place and the
-// size of the mesh.
+// Export format mesh-glb: the mesh as binary glTF 2.0 with textures baked from the surfels (material conversion:
+// bake/pbr_mesh.h). The node "scene" contains faces without object, and a child node per object; a mesh has one primitive per
+// face class: "opaque", "glass" and "solid_glass". Glass is KHR_materials_transmission, the thin-walled case without refraction,
+// as in our panes; double-sided, because a pane of the mesh may be a single surface. Solid glass of the refine stage also has
+// KHR_materials_volume, which refracts by the index of refraction; its thickness is in mesh space, like the positions, and
+// absorption is omitted, because it was not measured. The file is always +Y up, as glTF requires. Geometry is quantised
+// (compact_mesh.h): the node "scene" has the offset and the scale of the mesh.
 #include "core/scene/image/ldr.h"
 #include "stages/export/formats/compact_mesh.h"
 #include "stages/export/formats/format.h"
@@ -18,14 +17,14 @@ namespace {
 
 using Json = GlbFile::Json;
 
-// The shortest text that gives the same float back, not the double's seventeen digits.
+// Shortest text that gives the same float, instead of seventeen digits of a double.
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
 struct TextureIndices {
   int base_color, metallic_roughness, normal, specular_color, transmission, thickness;
 };
 
-// `scale`: units of the mesh's own space per scene unit.
+// `scale`: mesh space units per scene unit.
 Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, FaceClass kind, double scale) {
   const auto use = [](int index) { return Json{{"index", index}}; };
   const bool solid = kind == FaceClass::SolidGlass;
@@ -39,7 +38,7 @@ Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, 
     glb.use_extension("KHR_materials_specular");
     extensions["KHR_materials_specular"] = {{"specularColorFactor", Json::array()},
                                             {"specularColorTexture", use(texture.specular_color)}};
-    // The texture is made for ior 1.5; glTF multiplies it with the f0 of the ior.
+    // The texture assumes ior 1.5; glTF multiplies it with the f0 of the ior.
     const double f0 = std::pow((ior - 1) / (ior + 1), 2),
                  factor = solid ? kSpecularColorFactor * kDielectricF0 / f0 : kSpecularColorFactor;
     for (int c = 0; c < 3; ++c) extensions["KHR_materials_specular"]["specularColorFactor"].push_back(shortest(float(factor)));

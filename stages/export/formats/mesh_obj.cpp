@@ -1,6 +1,6 @@
-// mesh-obj: the mesh as Wavefront OBJ text with a material library and the baked textures beside it. An object of the file for
-// each one of the scene; without any a group for each class of faces: "opaque", "glass", "solid_glass". Colour is the texture
-// alone (Kd 1 1 1, no vertex colours): readers multiply the two. OBJ counts v from below.
+// Export format mesh-obj: the mesh as Wavefront OBJ text with a material library and the baked textures. One OBJ object per scene
+// object; without objects, a group per face class: "opaque", "glass", "solid_glass". Colour is only in the texture (Kd 1 1 1, no
+// vertex colours), because readers multiply both. OBJ texture v starts at the bottom.
 #include "core/foundation/base/file.h"
 #include "core/scene/image/ldr.h"
 #include "stages/export/formats/format.h"
@@ -14,12 +14,12 @@ Image8 channel(const Image8& image, int c) {
   return out;
 }
 
-// The extensions Pr, Pm and norm for physically based materials are those that Blender and assimp write and read.
+// The PBR extensions Pr, Pm and norm are those of Blender and assimp.
 std::string mtl_of(FaceClass kind, float ior) {
   std::string out = fmt::format("newmtl {}\nKd 1 1 1\nKs 0.04 0.04 0.04\nNi {}\n", name(kind), ior);
   out += "map_Kd textures/obj/base_color.png\nPr 1\nmap_Pr textures/obj/roughness.png\nPm 1\nmap_Pm textures/obj/metallic.png\n";
   out += "norm textures/obj/normal.png\n";
-  // Tf: light goes through unfiltered. Readers that do not know it see the dissolve: a pane that hides little.
+  // Tf: light passes unfiltered. Readers without it use the dissolve: a mostly transparent pane.
   out += kind != FaceClass::Opaque ? "Tf 1 1 1\nd 0.2\nillum 7\n" : "d 1\nillum 2\n";
   return out;
 }
@@ -37,7 +37,7 @@ std::vector<std::string> write_mesh_obj(ExportSource& source, const std::filesys
     if (pbr.has(kind)) materials += mtl_of(kind, kind == FaceClass::SolidGlass ? pbr.ior : 1.5f);
   for (size_t i = 0; i < pbr.parts.size(); ++i) {
     const auto& [object, kind, faces] = pbr.parts[i];
-    // Readers take either word for the name of what follows.
+    // Readers accept either keyword for a name.
     if (!pbr.has_objects())
       out += fmt::format("g {}\n", name(kind));
     else if (i == 0 || pbr.parts[i - 1].object != object)

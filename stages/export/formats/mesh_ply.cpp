@@ -1,8 +1,8 @@
-// mesh-ply: the cleaned mesh as binary PLY. Vertex normals, colours as 8-bit sRGB, and what the surface is made of as floats:
+// Export format mesh-ply: the cleaned mesh as binary PLY with vertex normals, 8-bit sRGB colours and materials as floats:
 //   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]  [object_id]
-// f0 is the reflectance at normal incidence with the specular weight in it (bake/pbr_mesh.h). albedo: linear, when the decompose
-// stage found it; the 8-bit colours then are the albedo too, else the radiance that was fused with the mesh. object_id: ushort, 0
-// none; the comments have its legend.
+// f0 is the reflectance at normal incidence including the specular weight (bake/pbr_mesh.h). albedo: linear, if the decompose
+// stage ran; the 8-bit colours are then the albedo, else the fused radiance. object_id: ushort, 0: none; the comments contain the
+// names.
 #include <algorithm>
 #include <bit>
 #include <cmath>

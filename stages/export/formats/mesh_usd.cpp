@@ -1,7 +1,6 @@
-// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures beside it. A UsdGeomMesh for
-// each object and for what belongs to none, with one subset per class of faces. UsdPreviewSurface knows no transmission: glass
-// has opacity 1 - tau, which blends without tinting. Particle fields (Gaussians) are left out: ply-3dgs and gaussians-glb carry
-// them.
+// Export format mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures. One UsdGeomMesh per
+// object and one for faces without object, with a subset per face class. UsdPreviewSurface has no transmission: glass has opacity
+// 1 - tau, which blends without tint. Particle fields (Gaussians) are not written; use ply-3dgs or gaussians-glb.
 #include <algorithm>
 #include <set>
 
@@ -73,7 +72,7 @@ std::string usd_material(FaceClass kind, float ior) {
   return replaced(replaced(out, "{0}", name(kind)), "{1}", fmt::format("{}", ior)) + "    }\n";
 }
 
-// "[a, b, c]" with lines of bearable length.
+// "[a, b, c]" with line breaks.
 template <class Values, class Format>
 std::string list(const Values& values, Format&& format) {
   std::string out = "[";
@@ -85,7 +84,7 @@ std::string list(const Values& values, Format&& format) {
   return out + "]";
 }
 
-// A name of a prim: letters, digits and underscores, not a digit first; other bytes become underscores.
+// Valid prim name: letters, digits and underscores, no leading digit; other bytes become underscores.
 std::string prim_name(std::string text) {
   for (char& c : text)
     if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9')) c = '_';
@@ -101,7 +100,7 @@ std::string usd_string(std::string_view text) {
   return out + "\"";
 }
 
-// A prim for the parts of one object.
+// Prim with the parts of one object.
 std::string usd_mesh(const std::string& prim, const std::string& shown, const PbrMesh& mesh, std::span<const PbrPart> parts,
                      const ExportFrame& frame) {
   std::vector<uint32_t> vertices;
@@ -148,7 +147,7 @@ std::string usd_mesh(const std::string& prim, const std::string& shown, const Pb
 
 std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesystem::path& folder) {
   const PbrMesh& mesh = source.pbr_mesh();
-  // A stage has an up axis and is right-handed: a left-handed frame would show a mirror image.
+  // A USD stage has an up axis and is right-handed: a left-handed frame would appear mirrored.
   ExportFrame frame = source.frame();
   if (frame.mirrored()) {
     const ExportAxes axes = frame.y_up() ? ExportAxes::Rhyu : ExportAxes::Rhzu;

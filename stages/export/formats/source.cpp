@@ -16,18 +16,18 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kReachEdges = 3;       // surfels count up to this many mean edges away from the mesh
-constexpr float kPlainRoughness = 1;   // of surfaces whose reflection nobody measured
+constexpr float kReachEdges = 3;       // largest distance of used surfels from the mesh, in mean edges
+constexpr float kPlainRoughness = 1;   // of surfaces without measured reflection
 constexpr float kVisible = 1 / 255.f;  // opacity
 
-// Reflectance at normal incidence; glass reflects whatever its specular weight.
+// Reflectance at normal incidence; glass reflects for any specular weight.
 Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0, float tau) {
   return layer_weights<float>(blend, {.f0 = f0, .specular = specular, .transmission = tau, .cosine = 1},
                               {.reflection = true, .transmission = true})
       .reflection;
 }
 
-// What passes of the light that is not reflected: glTF weighs its transmission with 1 - F by itself.
+// Transmitted share of the light that is not reflected: glTF applies the factor 1 - F itself.
 float transmission(LayerBlend blend, float specular, float tau) {
   return layer_weights<float>(blend, {.specular = specular, .transmission = tau}, {.transmission = true}).transmission.x;
 }
@@ -47,7 +47,7 @@ std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
     if (!reflects) continue;
     const float* raw = layer.at(Attribute::F0, i);
     const Vec3f found = reflectance(blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])}, tau);
-    // Where a surface sends no rays, its roughness was never looked at.
+    // Roughness is untrained on surfaces that send no rays.
     const float opaque_gate = fresnel_gate(specular), measured = opaque_gate + (1 - opaque_gate) * tau;
     m.f0 = measured * found + (1 - measured) * m.f0;
     m.roughness = measured * sigmoid(*layer.at(Attribute::Roughness, i)) + (1 - measured) * kPlainRoughness;
@@ -80,7 +80,7 @@ TriMesh checked_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-// Whether a surfel that one can see is in the glass itself.
+// True if a visible surfel is inside the glass itself.
 bool any_inside(const ThickGlass& glass, const SplatLayer& layer) {
   for (size_t i = 0; i < layer.size(); ++i) {
     const float* p = layer.at(Attribute::Mean, i);
@@ -89,7 +89,7 @@ bool any_inside(const ThickGlass& glass, const SplatLayer& layer) {
   return false;
 }
 
-// Of everything but the glass: the opaque diffuse surfels' own; what is known through glass alone is taken for plain matt.
+// Materials of the scene without glass: those of the opaque diffuse surfels; surfels seen only through glass are plain matt.
 std::vector<SurfelMaterial> content_materials(std::span<const SurfelMaterial> diffuse, std::span<const uint32_t> opaque,
                                               size_t count) {
   std::vector<SurfelMaterial> out(count, {.f0 = {kDielectricF0, kDielectricF0, kDielectricF0}, .roughness = kPlainRoughness});
@@ -118,7 +118,7 @@ ExportFrame ExportSource::frame(ExportAxes axes) {
   double scale = settings_.scale;
   if (!settings_.scale_note.empty() && std::ranges::find(notes_, settings_.scale_note) == notes_.end())
     notes_.push_back(settings_.scale_note);
-  // The poses' own frame is in metres when their scale is known.
+  // The frame of the poses is in metres if their scale is known.
   if (!(scale > 0)) scale = scene_info().scale_known ? 1 / scene_info().scene_from_colmap.scale : 1;
   return ExportFrame::of(axes, scale);
 }
@@ -132,7 +132,7 @@ std::string ExportSource::object_name(uint16_t id) {
   const Object* object = objects().find(id);
   if (object == nullptr) return id == 0 ? "scene" : fmt::format("object-{}", id);
   std::string name = object->name;
-  // Names end lines of text files.
+  // Replaces control characters: a name may end a line of a text file.
   std::ranges::replace_if(
       name, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }, ' ');
   return name;

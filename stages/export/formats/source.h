@@ -1,5 +1,4 @@
-// What is exported: the artifacts of the stages before, read when a format first asks and then kept, and the frame to write them
-// in.
+// Data for export: artifacts of the earlier stages, read on first use and cached, and the output frame.
 #pragma once
 
 #include <filesystem>
@@ -46,26 +45,27 @@ class ExportSource {
   bool metric();                                         // lengths are metres
   // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
   std::string object_name(uint16_t id);
-  // `lines` and, where surfels have an id, one line an object: "object 3: vase, mirror".
+  // `lines`, and one line per object if surfels have ids: "object 3: vase, mirror".
   std::vector<std::string> header_lines(std::vector<std::string> lines);
   const TrainedScene& scene();
   const SplatLayer& diffuse() { return scene().surfels.diffuse; }
-  // With vertex normals; checked: finite, not empty. What stands behind glass comes last, from vertex first_behind_glass() on;
-  // what straight rays painted into solid glass is left out. Normals of solid glass are those at which its rays bend.
+  // With vertex normals; checked: finite, not empty. Content behind glass comes last, from vertex first_behind_glass() on;
+  // content that straight rays painted into solid glass is removed. Solid glass has the normals used for refraction.
   const TriMesh& mesh();
   uint32_t first_behind_glass() { return mesh(), first_behind_glass_; }
-  // Of every diffuse surfel, and whether their colour is an albedo (of the decompose stage) or has the photos' light in it.
+  // Materials of the diffuse surfels; has_albedo(): their colour is the albedo of the decompose stage, else the captured
+  // radiance.
   const std::vector<SurfelMaterial>& materials();
   bool has_albedo() const { return inputs_.decompose.has_value(); }
-  // As the decompose stage wrote them, checked: one of every diffuse surfel. Only where has_albedo().
+  // Output of the decompose stage, checked: one per diffuse surfel. Requires has_albedo().
   const DecomposedMaterials& decomposed();
   // At the vertices of mesh().
   const std::vector<SurfaceSample>& vertex_samples();
   const PbrMesh& pbr_mesh();
-  // The diffuse surfels in the colours of the composed pictures, as display values.
+  // The diffuse surfels with the colours of the composed pictures, as display values.
   const SplatLayer& preview();
 
-  // What is worth telling about the making of what was read since the last call: goes into export/formats.json.
+  // Adds a note about the data read since the last call, for export/formats.json.
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
@@ -87,14 +87,14 @@ class ExportSource {
   std::vector<SurfelMaterial> content_materials_;
   std::optional<DecomposedMaterials> decomposed_;
   std::optional<std::vector<SurfelMaterial>> materials_;
-  std::optional<SurfaceSampler> sampler_;  // reads scene_ and materials_
+  std::optional<SurfaceSampler> sampler_;  // references scene_ and materials_
   std::optional<std::vector<SurfaceSample>> vertex_samples_;
   std::optional<PbrMesh> pbr_mesh_;
   std::optional<SplatLayer> preview_;
   std::vector<std::string> notes_;
 };
 
-// One sentence on where the colours of the mesh formats come from.
+// One sentence on the origin of the colours in mesh formats.
 std::string color_note(const ExportSource& source);
 
 }  // namespace vitrine
