@@ -1,8 +1,7 @@
 // Perceptual distance in the features of a convolutional network (LPIPS without its learned weights; Zhang et al. 2018):
 //   L = 1/T sum_t 1/P_t sum_p |f_t(C)_p - f_t(C_photo)_p|^2,   f = features / sqrt(|features|^2 + e) over the channels of a pixel
-// T features, P_t pixels each, on one square crop of the picture, sampled for every step from the step index and the view's
-// name.
-// dL/dF = (g - f (f . g)) / sqrt(|F|^2 + e),  g = 2 (f - f_photo) / (T P_t); the network's backward pass does the rest.
+// T features, P_t pixels each, on one square crop of the picture, sampled for every step from the step index and the view's name.
+//   dL/dF = (g - f (f . g)) / sqrt(|F|^2 + e),  g = 2 (f - f_photo) / (T P_t); the network's backward pass does the rest.
 // Off without a weights file.
 #include <algorithm>
 #include <cmath>

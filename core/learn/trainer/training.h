@@ -82,8 +82,7 @@ class Training {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return layers_[static_cast<size_t>(kind)].counts(); }
 
-  // Resumes from a checkpoint. False: there is none, or it is damaged (`damaged` gets the reason); the training is then
-  // unusable.
+  // Resumes from a checkpoint. False: there is none, or it is damaged (`damaged` gets the reason); the training is then unusable.
   bool resume(const std::filesystem::path& checkpoint, const std::function<void(const std::string& why)>& damaged);
   struct Run {
     std::filesystem::path checkpoint;

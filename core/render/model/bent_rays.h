@@ -20,8 +20,7 @@ struct BentLegs {
   std::vector<uint32_t> pixels, begin;  // begin: [pixels + 1] index of the first segment of each refracted ray
   std::vector<Vec3f> origins, directions;
   std::vector<float> far;
-  std::vector<float> passed;  // transmittance of the glass wall for the segment's light; 1 where the picture's own Fresnel term
-                              // covers all walls
+  std::vector<float> passed;  // transmittance of the glass wall; 1 where the picture's own Fresnel term covers all walls
 
   // Computes the paths of the pixels `asking` of a frame after its diffuse pass. Writes the kind of path to `path`, [h,w].
   // `side` x `side` rays per pixel; the refracted rays of a pixel are consecutive.

@@ -13,8 +13,7 @@ namespace {
 constexpr size_t kDisplayGrain = 8192;
 
 // The sRGB transfer function above its knee is 1.055 l^(1/2.4) - 0.055, and l^(1/2.4) = t^(5/3) with t = l^(1/4): two square
-// roots and a polynomial in t, scaled to [-1, 1] over [knee^(1/4), 1] (Chebyshev nodes, |error| < 6e-7 in float). Its loops
-// vectorise.
+// roots and a polynomial in t, scaled to [-1, 1] over [knee^(1/4), 1] (Chebyshev nodes, |error| < 6e-7 in float).
 inline float display_value(float l) {
   const float u = 2.6196699f * std::sqrt(std::sqrt(l)) - 1.6196699f;
   float p = -8.03033181e-05f;

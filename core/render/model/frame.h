@@ -55,8 +55,7 @@ struct PaneImages {
   std::vector<uint8_t> shown;                // [h,w] the pixel shows the case
   std::vector<float> near_color, far_color;  // [3,h,w] reflected radiance of the scene
   std::vector<float> near_open, far_open;    // [h,w] transmittance of that reflection
-  std::vector<float> far_share, far_cosine;  // [h,w] whether the ray leaves through the far pane; cosine of the ray and its
-                                             // normal
+  std::vector<float> far_share, far_cosine;  // [h,w] 1: the ray leaves through the far pane; cosine there
   // Flat mirrors, whose gradients train the mirrored scene; empty without one.
   std::vector<uint8_t> teaches;             // [h,w]
   std::vector<float> grad_near, grad_open;  // [3,h,w], [h,w] dL/dnear_color, dL/dnear_open
@@ -70,8 +69,8 @@ struct PaneImages {
 struct SilhouetteImages {
   std::vector<uint32_t> shapes;               // [h,w] 1 + the entry shown by a specular pixel (ShapePass), 0: none
   std::vector<SilhouettePixel> pixels;        // ascending
-  std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the shape, and of the shape where its
-                                              // silhouette crosses the pixel
+  std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the shape, and of the shape in crossed
+                                              // pixels
   std::vector<float> grad_covered;            // [pixel]
   void clear();                               // keeps shapes
 };

@@ -25,8 +25,7 @@ struct GlassMesh {
   GlassMesh(const TriMesh& mesh, TriMesh glass_part, float voxel);
 };
 
-// Per face: 1 if the mean tau of the surfels around its centre, weighted by opacity and distance, exceeds 1/2. 0 without a
-// nearby surfel.
+// Per face: 1 if the mean tau of nearby surfels, weighted by opacity and distance, exceeds 1/2. 0 without nearby surfels.
 std::vector<uint8_t> glass_faces(const TriMesh& mesh, const SplatLayer& diffuse, float voxel);
 
 }  // namespace vitrine

@@ -2,7 +2,7 @@
 //
 //   LayeredModel model(ImageOptions{...});
 //   frame.specular_mask = ...; frame.transparent_mask = ...; frame.seed = seed; frame.step = step;
-// empty layers are skipped at no cost
+//   model.forward(scene, view, frame);                       // empty layers are skipped at no cost
 //   losses: picture -> frame.grad_srgb; channels -> frame.grad_diffuse;
 //           first hits of frame.reflection / frame.transmission -> their gradients.first_hit
 //   model.backward(scene, frame, grad);                      // adds to all layers of grad

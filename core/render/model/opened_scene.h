@@ -18,8 +18,7 @@ OpenedDegrees opened_degrees(const SplatScene& scene, const ImageOptions& option
 
 // Copies shape and colour only. Reuses the memory of `opened`.
 void without_glass(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& opened);
-// Copies materials too: a diffuse layer. Surfels of the transmittance layer get the materials of an opaque, non-specular
-// surface.
+// Copies materials too: a diffuse layer. Surfels of the transmittance layer get the materials of an opaque, non-specular surface.
 void without_glass_with_materials(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& opened);
 
 // Adds gradients and statistics of the scene without glass to the layers that its surfels were copied from.

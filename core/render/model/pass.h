@@ -1,5 +1,4 @@
-// Interface of one step of the image formation. ImageModel runs its list of passes in order, and for gradients in reverse
-// order.
+// Interface of one step of the image formation. ImageModel runs its list of passes in order, and for gradients in reverse order.
 //
 // A pass declares the parts of the frame that it reads, writes and adds to (after the filter graph of Intel's Open Image
 // Denoise). The model rejects a list in which a part is read before it is written, or changed after it was read. A backward

@@ -20,8 +20,7 @@ constexpr float kCoreAlpha = 0.9f;        // minimum alpha of a pixel that shows
 constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the silhouette
 constexpr int kDonorReach = 2 * kSilhouetteBand + kDonorSlack;
 constexpr uint8_t kAtEdge = 1, kInside = 2;  // in_band_
-constexpr float kThinDonor = 2;    // pixels from the silhouette: minimum distance of material donors if no pixel is farther
-                                   // inside
+constexpr float kThinDonor = 2;    // pixels from the silhouette: minimum for material donors without pixels farther inside
 constexpr float kDullRest = 0.1f;  // maximum k_s and tau of the background, which is rendered with its diffuse colour only
 constexpr Aov kMaterials[] = {Aov::Color, Aov::F0, Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
 constexpr Aov kShownByRest[] = {Aov::Color,        Aov::Normal, Aov::F0,    Aov::Roughness, Aov::SpecularWeight,

@@ -31,8 +31,7 @@ struct BentRay {
   };
   static constexpr size_t kMostLegs = 8;  // longer paths are TotalReflection if inside glass, NoExit if outside
   GlassPath path = GlassPath::Straight;
-  uint32_t leg_count = 0;  // starting at the front surface: inside (again after each total reflection), outside, ...; 0 unless
-                           // Bent
+  uint32_t leg_count = 0;  // from the front surface: inside (again after total reflection), outside, ...; 0 unless Bent
   std::array<Leg, kMostLegs> legs{};
 };
 

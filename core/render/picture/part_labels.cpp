@@ -16,8 +16,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kLeastSeen = 0.5;   // pixels, summed over the photos: below it, the part counts as occluded
-constexpr double kUndecided = 0.25;  // labelled share of a surfel's pixels: within this distance of one half, its position
-                                     // decides
+constexpr double kUndecided = 0.25;  // labelled share of a surfel's pixels: this close to one half, its position decides
 constexpr double kHullShare = 0.8;   // of the photos whose frustum contains a position
 constexpr size_t kHullViews = 3;     // minimum number of such photos
 constexpr float kOffSurface = 0.5f;  // mean edges: offset of rays to the cameras from the mesh

@@ -46,8 +46,7 @@ std::vector<uint16_t> labels_of_places(size_t count, const std::function<Vec3d(s
 bool shows_thin_glass(const ObjectSet& objects, uint16_t label);
 // Replaces the labels of thin glass by 0.
 void leave_out_thin_glass(const ObjectSet& objects, std::span<uint16_t> labels);
-// Sets the ids of all surfels: those of the diffuse layer from the photos, those of the transmittance layer from their
-// positions.
+// Sets the ids of all surfels: those of the diffuse layer from the photos, those of the transmittance layer from their positions.
 void assign_objects(const ObjectSet& objects, std::span<const LabelledView> views, float near_z, SplatLayer& diffuse,
                     SplatLayer& transmittance);
 

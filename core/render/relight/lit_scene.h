@@ -37,8 +37,7 @@ class LitScene {
   Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
   // Mean incident radiance over all directions at a point in free space, lamps included (algorithms 7.4).
   Vec3f fluence(const Vec3f& point, uint64_t stream, int samples) const;
-  // Irradiance / pi of one side of a patch in free space. `blocked(direction)`: additional occluders that this scene does not
-  // contain.
+  // Irradiance / pi of one side of a patch in free space. `blocked(direction)`: occluders outside this scene.
   using Blocked = std::function<bool(const Vec3f& direction)>;
   struct Patch {
     Vec3f point, normal;

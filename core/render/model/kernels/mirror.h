@@ -1,6 +1,6 @@
 // Mirror reflection of a view direction about a half vector, and rotation of a half vector with the normal (README 3).
 //   w = 2 (v.h) h - v          v, w, h unit, v and w point away from the surface; h = n is the mirror
-// dh = (n x dn) x h          a rotating normal rotates its half vectors by the smallest rotation
+//   dh = (n x dn) x h          a rotating normal rotates its half vectors by the smallest rotation
 #pragma once
 
 #include "core/foundation/math/vec.h"

@@ -29,8 +29,7 @@ class WantedPixels {
   };
   int tiles_x_ = 0;
   std::vector<Tile> tiles_;
-  std::vector<uint32_t> before_;  // summed-area table: tiles with a wanted pixel above and to the left of a corner, [tiles_y +
-                                  // 1, tiles_x + 1]
+  std::vector<uint32_t> before_;  // summed-area table of tiles with a wanted pixel, [tiles_y + 1, tiles_x + 1]
 };
 
 }  // namespace vitrine::cpu

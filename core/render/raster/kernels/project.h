@@ -95,8 +95,7 @@ auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
 template <class T>
 struct ProjectionGrad {
   SurfelGeometry<T> surfel;
-  T screen_x, screen_y;  // dL/d(projected centre) under rigid translation of the ellipse (densification statistic of Huang et
-                         // al. 2024)
+  T screen_x, screen_y;  // dL/d(projected centre), the ellipse moving rigidly (Huang et al. 2024, densification)
 };
 
 // Reverse of project: from gradients of the map's nine numbers and of the facing normal to gradients of the raw geometry.

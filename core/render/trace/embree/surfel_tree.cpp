@@ -21,8 +21,7 @@ constexpr size_t kPackChunk = 4096;  // surfels
 // outside its box; and by this share of the surfel's size.
 constexpr float kPad = 4e-6f;
 constexpr uint32_t kLanes = 8;
-// Tolerance of the running transmittance, a product of the hits in arbitrary order, compared with the product of the sorted
-// list.
+// Tolerance of the running transmittance, a product of the hits in arbitrary order, compared with the product of the sorted list.
 constexpr float kProductSlack = 1.01f;
 
 }  // namespace

@@ -11,8 +11,7 @@
 
 namespace vitrine {
 
-// Minimum |n.d| of a hit: for smaller values the ray is nearly parallel to the surfel, x is ill-conditioned and its gradient
-// explodes.
+// Minimum |n.d| of a hit: below it x is ill-conditioned and its gradient explodes (the ray is parallel to the surfel).
 inline constexpr double kGrazing = 1e-3;
 
 template <class T>
