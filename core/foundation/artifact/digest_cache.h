@@ -1,7 +1,7 @@
-// Cache of content digests of files. Key: inode number (without the device), size, modification time (mtime) and inode change
-// time (ctime). Planning a run over gigabytes of unchanged photos reads no file. Programs can set mtime (copies, archives,
-// editors); only the system sets ctime. Paths are not part of the key: moving a folder keeps the entries. A touched or newly
-// linked file is read again and gets the same digest. Losing the cache costs time, never correctness.
+// Cache of file content digests. Key: inode number (without the device), size, modification time (mtime) and inode change time
+// (ctime). Planning a run over gigabytes of unchanged photos reads no file. Programs can set mtime (copies, archives, editors);
+// only the system sets ctime. Paths are not part of the key: moving a folder keeps the entries. A touched or newly linked file
+// is read again and gets the same digest. Losing the cache affects speed only.
 #pragma once
 
 #include <compare>

@@ -16,16 +16,11 @@ namespace {
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
   switch (level) {
-    case LogLevel::Debug:
-      return spdlog::level::debug;
-    case LogLevel::Info:
-      return spdlog::level::info;
-    case LogLevel::Warning:
-      return spdlog::level::warn;
-    case LogLevel::Error:
-      return spdlog::level::err;
-    case LogLevel::Quiet:
-      return spdlog::level::off;
+    case LogLevel::Debug: return spdlog::level::debug;
+    case LogLevel::Info: return spdlog::level::info;
+    case LogLevel::Warning: return spdlog::level::warn;
+    case LogLevel::Error: return spdlog::level::err;
+    case LogLevel::Quiet: return spdlog::level::off;
   }
   return spdlog::level::info;
 }
@@ -35,10 +30,7 @@ struct Sinks {
   std::shared_ptr<spdlog::sinks::sink> console, file;
   std::shared_ptr<spdlog::logger> logger;
 
-  Sinks() {
-    console = make_console(false);
-    rebuild();
-  }
+  Sinks() { console = make_console(false); rebuild(); }
   static std::shared_ptr<spdlog::sinks::sink> make_console(bool colour) {
     // On a terminal a line first erases the progress bar (core/foundation/base/terminal.h).
     const std::string erase = is_terminal(2) ? std::string(kEraseLine) : std::string();

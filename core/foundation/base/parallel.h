@@ -10,7 +10,7 @@ namespace vitrine {
 // 0 = all threads allowed by machine and cgroup. Applies to the whole process until changed.
 void set_thread_limit(int threads);
 int thread_limit();
-int hardware_threads();  // respects CPU affinity and the cgroup quota
+int hardware_threads();                        // respects CPU affinity and the cgroup quota
 
 // body(i) for i in [0, n), in any order, on thread_limit() threads. `grain`: number of items per task.
 void parallel_for(size_t n, size_t grain, const std::function<void(size_t)>& body);

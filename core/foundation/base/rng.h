@@ -25,7 +25,7 @@ class Rng {
   uint64_t next_u64() { return mix64(key_, counter_++); }
   uint32_t next_u32() { return static_cast<uint32_t>(next_u64() >> 32); }
   uint32_t below(uint32_t n) { return static_cast<uint32_t>((static_cast<uint64_t>(next_u32()) * n) >> 32); }  // [0,n)
-  float uniform() { return static_cast<float>(next_u64() >> 40) * 0x1p-24f; }                                  // [0,1)
+  float uniform() { return static_cast<float>(next_u64() >> 40) * 0x1p-24f; }                                 // [0,1)
   double uniform_double() { return static_cast<double>(next_u64() >> 11) * 0x1p-53; }
   // Box-Muller; always consumes two uniforms per value, so the counter advances by a fixed amount.
   float normal() {

@@ -26,7 +26,7 @@ inline double cpu_seconds(int who = RUSAGE_SELF) {
 inline size_t peak_memory_bytes(int who = RUSAGE_SELF) {
   rusage u{};
   getrusage(who, &u);
-  return static_cast<size_t>(u.ru_maxrss) * 1024;  // Linux reports KiB
+  return static_cast<size_t>(u.ru_maxrss) * 1024;     // Linux reports KiB
 }
 
 }  // namespace vitrine

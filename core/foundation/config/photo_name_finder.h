@@ -22,9 +22,8 @@ namespace vitrine {
 
 struct PhotoMatch {
   std::optional<size_t> photo;
-  std::vector<size_t> could_be;  // two or more candidates: the name is ambiguous
-  std::optional<size_t>
-      better_name;  // index of another name in the list that matches the same photo better; `photo` is empty then
+  std::vector<size_t> could_be;       // two or more candidates: the name is ambiguous
+  std::optional<size_t> better_name;  // name in the list that matches the same photo better; `photo` is empty then
 };
 
 class PhotoNameFinder {

@@ -8,13 +8,12 @@
 
 namespace vitrine {
 
-template <class T, size_t N>
-struct Dual {
+template <class T, size_t N> struct Dual {
   T v{};
   std::array<T, N> d{};
 
   Dual() = default;
-  Dual(T value) : v(value) {}  // NOLINT: constants convert silently on purpose
+  Dual(T value) : v(value) {}                                             // NOLINT: constants convert silently on purpose
   static Dual variable(T value, size_t index) {
     Dual r(value);
     r.d[index] = T(1);
@@ -56,14 +55,8 @@ struct Dual {
   friend bool operator>=(const Dual& a, const Dual& b) { return a.v >= b.v; }
   friend bool operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
 
-  friend Dual sqrt(const Dual& a) {
-    const T s = std::sqrt(a.v);
-    return a.chained(s, T(0.5) / s);
-  }
-  friend Dual exp(const Dual& a) {
-    const T e = std::exp(a.v);
-    return a.chained(e, e);
-  }
+  friend Dual sqrt(const Dual& a) { const T s = std::sqrt(a.v); return a.chained(s, T(0.5) / s); }
+  friend Dual exp(const Dual& a) { const T e = std::exp(a.v); return a.chained(e, e); }
   friend Dual log(const Dual& a) { return a.chained(std::log(a.v), T(1) / a.v); }
   friend Dual sin(const Dual& a) { return a.chained(std::sin(a.v), std::cos(a.v)); }
   friend Dual cos(const Dual& a) { return a.chained(std::cos(a.v), -std::sin(a.v)); }

@@ -139,7 +139,7 @@ int natural_rank(const std::string& channel) {
 struct ExrWindow {
   Imath::Box2i data;
   int width = 0, height = 0;  // of the display window
-  int left = 0, top = 0;      // of the display window, in the coordinates of the file
+  int left = 0, top = 0;      // origin of the display window, in file coordinates
   int data_width = 0, data_height = 0;
   bool whole = true;  // both windows are equal
 };

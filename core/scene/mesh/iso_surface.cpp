@@ -40,8 +40,7 @@ struct Neighbourhood {
 };
 
 struct BlockSurface {
-  std::vector<uint16_t>
-      edge_vertex;  // [512 * 3] vertex on the edge from a voxel along an axis; empty if the block has no vertices
+  std::vector<uint16_t> edge_vertex;  // [512 * 3] vertex on the edge from a voxel along an axis; empty: no vertices
   std::vector<Vec3f> positions, normals, colors;
   std::vector<Vec3f> centre_positions, centre_normals, centre_colors;
   std::vector<std::array<uint32_t, 3>> faces;

@@ -47,12 +47,11 @@ struct Object {
 
   // Measured support in the photos; for reports only, never used in decisions.
   struct Evidence {
-    size_t views = 0;                            // training photos that show it
-    std::optional<double> inside = {};           // fraction of the silhouette pixels of its shapes that the masks mark
-    std::optional<double> covered = {};          // fraction of the marked pixels covered by these silhouettes
-    std::optional<double> view_dependence = {};  // of luminance; opaque objects only
-    std::optional<double> straight = {},
-                          bent = {};  // similarity of glass pixels to the prediction with straight and with refracted rays
+    size_t views = 0;                                // training photos that show it
+    std::optional<double> inside = {};               // fraction of the silhouette pixels of its shapes that the masks mark
+    std::optional<double> covered = {};              // fraction of the marked pixels covered by these silhouettes
+    std::optional<double> view_dependence = {};      // of luminance; opaque objects only
+    std::optional<double> straight = {}, bent = {};  // similarity of glass to renderings with straight and refracted rays
   } evidence = {};
 };
 

@@ -24,11 +24,10 @@ struct ShapeSet {
     ShapeRole role = ShapeRole::Mirror;
     double tolerance = 0;  // maximum distance of surfels of this shape from it, scene units, > 0
     int parent = -1;       // for an appendage (a handle): index of the entry it is attached to, smaller than its own, same role
-    std::vector<uint8_t>
-        clear;            // [facet] of thin glass: 0 = opaque (it rests on something or is a frame); empty: all facets are panes
-    bool exact = true;    // normals are more accurate than those of surfels; false: visual hull or poor fit
-    uint16_t object = 0;  // id in the object table (core/scene/objects), 0 = none
-    double layered = 1;   // weight of the layers in images that have an opaque twin (core/render/model/opaque_pass.h)
+    std::vector<uint8_t> clear;  // [facet] of thin glass: 0 = opaque (support or frame); empty: all are panes
+    bool exact = true;           // normals are more accurate than those of surfels; false: visual hull or poor fit
+    uint16_t object = 0;         // id in the object table (core/scene/objects), 0 = none
+    double layered = 1;          // weight of the layers in images that have an opaque twin (core/render/model/opaque_pass.h)
     bool is_clear(size_t facet) const { return facet >= clear.size() || clear[facet] != 0; }
   };
   std::vector<Entry> entries;

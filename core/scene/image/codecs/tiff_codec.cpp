@@ -79,8 +79,7 @@ std::string read_tiles(TIFF* tiff, TiffInput& input, int width, int height, unsi
   TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile_height);
   const tmsize_t size = TIFFTileSize(tiff), row_bytes = TIFFTileRowSize(tiff);
   constexpr uint32_t kLargestSide = uint32_t{1} << 30;  // sum of it and an image side does not overflow
-  if (tile_width == 0 || tile_height == 0 || tile_width > kLargestSide || tile_height > kLargestSide || size <= 0 ||
-      row_bytes <= 0 || size > kLargestTiffBlock)
+  if (tile_width == 0 || tile_height == 0 || tile_width > kLargestSide || tile_height > kLargestSide || size <= 0 || row_bytes <= 0 || size > kLargestTiffBlock)
     return fmt::format("the TIFF has tiles of {} x {} pixels: it is damaged", tile_width, tile_height);
   const uint32_t across = (uint32_t(width) + tile_width - 1) / tile_width,
                  down = (uint32_t(height) + tile_height - 1) / tile_height;
