@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCaseReach = 0.6;           // of the radius of the camera ring: no search beyond
 constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
-constexpr double kAboveCameras = 0.3;        // of the ring: maximum height of a case above the cameras
+constexpr double kAboveCameras = 0.3;        // of the ring: minimum height of the search region above the cameras
 constexpr size_t kFewestPoints = 20;
 constexpr double kOnSurface = 0.03;        // of the depth
 constexpr double kFoot = 0.15;             // share of known points in the footprint of a box that lie below its bottom
