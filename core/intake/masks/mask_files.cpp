@@ -88,12 +88,6 @@ MaskFile one_of(const std::vector<MaskFile>& files, const std::string& photo) {
 
 }  // namespace
 
-std::optional<MaskClass> mask_class(std::string_view word) {
-  for (MaskClass kind : kMaskClasses)
-    if (word == name(kind)) return kind;
-  return std::nullopt;
-}
-
 MaskFolder::MaskFolder(const fs::path& path, MaskClass flat, const std::vector<std::string>& photos) : path_(path) {
   for (const std::string& photo : photos) {
     const std::string file = fs::path(photo).filename().generic_string();

@@ -28,14 +28,6 @@
 
 namespace vitrine {
 
-enum class MaskClass : unsigned char { Object, Transparent, Specular, Ignore };
-inline constexpr size_t kMaskClassCount = 4;
-inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
-                                                                     MaskClass::Specular, MaskClass::Ignore};
-inline constexpr std::array<std::string_view, kMaskClassCount> kMaskClassWords{"object", "transparent", "specular", "ignore"};
-inline std::string_view name(MaskClass kind) { return kMaskClassWords[static_cast<size_t>(kind)]; }
-std::optional<MaskClass> mask_class(std::string_view word);  // by its name, lower case
-
 struct MaskFile {
   std::filesystem::path path;
   std::string convention;  // "b.jpg.png", "b_mask.*", ...: one of the rows above
