@@ -39,13 +39,11 @@ constexpr float kMaxInside = 0.5f;    // share of rays that meet back sides; abo
 constexpr float kMaxSpecular = 0.3f;  // points that are more specular or transmissive are not used for the light
 constexpr float kMaxMasked = 0.5f;
 constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // usable radiance range of an 8-bit photo
-constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // outer voxels are sized for at most this many points on the
-                                                                // walls
+constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // size outer voxels for at most this many points on the walls
 constexpr float kTrainedGloss = 0.05f;                          // specular weight from which the Fresnel term is fully trained
 constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
-constexpr double kTrainedShare = 0.5;  // of a card's box: larger overlap with an object trained alone means that the scene
-                                       // contains the card
+constexpr double kTrainedShare = 0.5;  // of a card's box: with more overlap the scene contains the card
 constexpr double kPolishReach = 6;     // edges of the mesh, between specular faces and their surfels
 
 class Decomposition {

@@ -16,8 +16,7 @@ constexpr float kDarkestCard = 0.004f;   // of a linear 8-bit photo: darker valu
 constexpr float kBrightestCard = 0.95f;  // brighter values are clipped
 constexpr double kLeastUsable = 0.5;     // of the box: with fewer pixels the median would be biased to dark values
 constexpr size_t kFewestShared = 200;    // pixels with both photo and scene
-constexpr float kGainError_log = 0.25f;  // tolerance of a photo's gain; a quarter of a stop is usual for surfaces that are not
-                                         // quite matt
+constexpr float kGainError_log = 0.25f;  // tolerance of a photo's gain; a quarter of a stop is usual on not quite matt surfaces
 constexpr double kShortestUp = 0.2;      // length of the mean up vector; shorter: the cameras look straight down
 
 // Calls `take` for the pixels inside the box, in a picture of the view at any size.

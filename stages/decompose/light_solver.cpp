@@ -112,7 +112,7 @@ class Solver {
     out.misfit.push_back(std::sqrt(squares / (3.0 * double(count_))));
   }
 
-  // (b)
+  // (b) Solves for the light of one channel.
   void solve_channel(size_t c) {
     const Eigen::Index cells = Eigen::Index(cell_.size());
     const Vector q = (average_[c].array().exp() / (kPi * radiance_[c].array())).matrix();
@@ -148,7 +148,7 @@ class Solver {
       }
   }
 
-  // (c)
+  // (c) Sets the scale.
   void set_scale(LightSolution& out) {
     // White: the channel means, weighted by the visibility of the cells.
     std::array<double, 3> mean{};

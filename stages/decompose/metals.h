@@ -31,8 +31,7 @@ struct MetalsDesc {
   const Environment& environment;  // of the photos: seen by mirrored rays outside all surfels
   const LabelledObjects& objects;  // trusted ones
   int max_side = 320;              // pixels
-  float reach = 0.05f;             // scene units: distance of faces that give a coated surfel its specular light; start offset of
-                                   // mirrored rays
+  float reach = 0.05f;             // scene units: search radius of faces for coats; start offset of mirrored rays
 };
 
 struct Polished {

@@ -20,10 +20,10 @@ struct EvaluateConfig {
   int relit_samples = 32;
   int relit_views = 4;
   double mesh_threshold_rel = 0.01;
-  // No options; tests set them.
-  int min_region_pixels = 64;  // a view counts for a region from this many pixels on
-  int mesh_samples = 100'000;  // points spread over each mesh
-  int mesh_views = 64;         // views that decide which surface points are visible
+  // Not options; tests set them.
+  int min_region_pixels = 64;  // minimum pixels of a region in a counted view
+  int mesh_samples = 100'000;  // points sampled per mesh
+  int mesh_views = 64;         // views used for visibility
 };
 void describe(Describer& d, EvaluateConfig& c);
 

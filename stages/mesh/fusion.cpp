@@ -67,8 +67,7 @@ TsdfVolume fuse_views(size_t view_count, const DepthSource& depth_of, const Fusi
   TsdfDesc volume_desc = desc.volume;
   double done = 0;
   for (;;) {
-    const double share = kFirstRoundShare * (0.5 - done);  // a repeated round reports progress within the remaining part of its
-                                                           // half
+    const double share = kFirstRoundShare * (0.5 - done);  // a repeated round reports progress within the rest of its half
 
     TsdfVolume volume(volume_desc);
     report.skipped_views.clear();

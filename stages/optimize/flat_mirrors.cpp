@@ -19,16 +19,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInMirror = 0.9f;        // share of a surfel's pixels inside the specular masks: above it, the surfel is a
-                                         // virtual image
+constexpr float kInMirror = 0.9f;        // minimum share of a virtual surfel's pixels in the specular masks
 constexpr float kBesideMirror = 0.5f;    // below it, the surfel is in front of the mirror
 constexpr float kSurfaceOpacity = 0.5f;  // opacity of surfels that represent a surface
 constexpr size_t kMostPairs = 1500;      // surfels that are registered
-constexpr float kReaches[] = {0.2f,  0.2f,  0.1f,  0.1f,  0.05f,
-                              0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // pair distance per round, scene
-                                                                   // units
-constexpr float kLikeColor = 0.3f;                                 // mean difference of diffuse colours of a pair
-constexpr size_t kCandidates = 4;                                  // nearest surfels; the first with a similar colour is the pair
+constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // pair distance per round
+constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
+constexpr size_t kCandidates = 4;   // nearest surfels; the first with a similar colour is the pair
 constexpr size_t kFewestPairs = 60;
 constexpr double kAgreeing = 0.1;      // of the surfels must have a pair in the last round
 constexpr double kFurthestTurn = 0.2;  // largest total rotation of a plane, radians

@@ -33,8 +33,8 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;       // surfels placed on the visual hull; diffuse surfels removed for them
-  std::vector<Vec3f> known_points;  // on mirror shapes (HullPoint)
+  size_t hull = 0, moved = 0;       // surfels placed on the shapes; diffuse surfels removed for them
+  std::vector<Vec3f> known_points;  // surfels placed on the visual hull or shape; diffuse surfels removed for them
   float known_reach = 0;            // largest distance from known_points at which a surfel shows a known shape
   ShapeSet shapes;                  // shapes of this role, for training
 };

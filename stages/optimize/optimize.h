@@ -1,8 +1,8 @@
 // The optimize stage: surfels of up to three layers, trained on the photos of an sfm artifact through the image model.
 //   reads   sfm (linear/*.exr, sparse/0, gains), masks and normals when there are any
 //   writes  gaussians/{diffuse,reflection,transmittance,opaque}.ply, optimize/{views.json,report.json,previews/*.png}
-//   optimize/trained/masks/object/*.png where only a part of the photos was trained
-// Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
+//           optimize/trained/masks/object/*.png if only a part of the scene was trained
+// An interrupted run continues from its last checkpoint and ends with the same bytes as an uninterrupted one.
 #pragma once
 
 #include <string>

@@ -23,8 +23,7 @@ constexpr double kSameDepth = 0.05;   // of the depth
 constexpr double kNearPlane = 0.012;  // of the cameras' distance, as for scene_planes()
 constexpr double kTurned = 0.8;       // cosine between normals
 constexpr size_t kFewestOnPlane = 30;
-constexpr double kLeastOfPoints = 0.25;  // a plate or a table contains at least this share; a plane between few points would fill
-                                         // empty space
+constexpr double kLeastOfPoints = 0.25;  // share of the points on a plate or table plane
 constexpr double kTrim = 0.01;           // of the points of a plane: outliers at either end, in each of 32 directions
 constexpr size_t kDirections = 32;
 constexpr double kLargestSplat = 6;  // pixels: a larger splat indicates a wrong point

@@ -10,8 +10,7 @@ namespace vitrine {
 
 struct SurfaceSeed {
   Vec3f position, normal;  // outwards, unit
-  bool known = false;      // accurate to a fraction of a pixel (ShapeSet::Entry::exact); false on a visual hull, which is
-                           // inaccurate
+  bool known = false;      // accurate to a fraction of a pixel (ShapeSet::Entry::exact); false on a visual hull
   float apart = 1;         // distance to its neighbours, relative to the spacing
 };
 struct SurfaceSeeds {

@@ -32,12 +32,9 @@ class Trainer : public Training {
 
   const LayerChoice& layers() const { return setup_.layers; }
   size_t from_behind_glass() const { return from_behind_glass_; }  // surfels moved to the diffuse layer (plane_inpainting.h)
-  size_t unseen_surfels() const {
-    return unseen_surfels_;
-  }                                                              // for unobserved regions (plane_inpainting.h), in addition to
-                                                                 // the cap
-  size_t initial_surfels() const { return initial_surfels_; }    // at the start of training
-  static size_t cap(const TrainerSetup& setup, LayerKind kind);  // largest number of surfels of the layer
+  size_t unseen_surfels() const { return unseen_surfels_; }        // inpainted (plane_inpainting.h), in addition to the cap
+  size_t initial_surfels() const { return initial_surfels_; }      // at the start of training
+  static size_t cap(const TrainerSetup& setup, LayerKind kind);    // largest number of surfels of the layer
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
   void set_opaque_twin(SplatLayer twin) { scene_.opaque = std::move(twin); }  // twin of the layers, before their first step

@@ -14,7 +14,7 @@
 namespace vitrine {
 
 struct ExportFormat {
-  std::string_view name;     // the word in --set formats=[...]
+  std::string_view name;     // name in --set formats=[...]
   std::string_view summary;  // one line
   std::string_view holds;    // contents of the files
   std::string_view loses;    // scene data missing in the files

@@ -25,10 +25,10 @@ struct MoreProperty {
 
 struct GaussianPlyDesc {
   std::vector<std::string> comments;    // header lines, without the word "comment"
-  bool disk_normals = false;            // nx ny nz; overrides the disk normals
-  std::span<const Vec3f> normals = {};  // [surfels] or none: nx ny nz, whatever the disks' own
+  bool disk_normals = false;            // nx ny nz = third column of the rotation; else 0
+  std::span<const Vec3f> normals = {};  // [surfels] or empty: nx ny nz; overrides the disk normals
   std::span<const MoreProperty> more = {};
-  float thickness = 0;  // file units: write it as scale_2; 0: two scales only
+  float thickness = 0;  // file units, written as scale_2; 0: only two scales
   // Converts the colour of one surfel in place before writing; coefficient-major [k][rgb], DC first.
   std::function<void(std::span<float> sh)> convert_color = {};
 };
