@@ -6,12 +6,13 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/quantile.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "core/foundation/math/color.h"
-#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 
@@ -120,6 +121,14 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
   capture.near_z = near_plane(capture.view_set);
   capture.memory_bytes = pyramid_bytes(capture.view_set, max_side);
   return capture;
+}
+
+std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch) {
+  constexpr uint64_t kOrderStream = 0x7401;
+  std::vector<uint32_t> order(photos.begin(), photos.end());
+  Rng rng(seed, mix64(kOrderStream, epoch));
+  for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[rng.below(static_cast<uint32_t>(i + 1))]);
+  return order;
 }
 
 }  // namespace vitrine

@@ -47,4 +47,7 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
 // Memory of load_capture() in bytes, from the intrinsics alone.
 size_t pyramid_bytes(const ViewSet& view_set, int max_side);
 
+// Photos of one epoch, permuted by seed and epoch only: a resumed run need not store the order.
+std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch);
+
 }  // namespace vitrine

@@ -7,7 +7,6 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/foundation/base/rng.h"
 #include "core/learn/trainer/checkpoint.h"
 #include "core/learn/trainer/frozen_surfels.h"
 
@@ -39,14 +38,6 @@ const SurfelStatistics* statistics_of(const Frame& frame, LayerKind kind) {
 }
 
 }  // namespace
-
-std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch) {
-  constexpr uint64_t kOrderStream = 0x7401;
-  std::vector<uint32_t> order(photos.begin(), photos.end());
-  Rng rng(seed, mix64(kOrderStream, epoch));
-  for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[rng.below(static_cast<uint32_t>(i + 1))]);
-  return order;
-}
 
 Training::Training(const TrainingDesc& desc, const ImageOptions& image, SplatScene start)
     : scene_(std::move(start)), model_(image), desc_(desc) {

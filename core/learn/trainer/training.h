@@ -14,17 +14,14 @@
 #include <vector>
 
 #include "core/learn/loss/loss_set.h"
-#include "core/render/model/layered_model.h"
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/frozen_surfels.h"
 #include "core/learn/trainer/layer_training.h"
 #include "core/learn/trainer/shape_training.h"
 #include "core/learn/trainer/targets.h"
+#include "core/render/model/layered_model.h"
 
 namespace vitrine {
-
-// Photos of one epoch, permuted by seed and epoch only: a resumed run need not store the order.
-std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch);
 
 inline constexpr double kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
 
