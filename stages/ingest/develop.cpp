@@ -43,6 +43,7 @@ Developed develop(const fs::path& path, int max_side) {
     photo.focal_source = focal->source;
   }
   photo.exposure_ev = exposure_ev(exif);
+  photo.flash = exif.flash;
   photo.camera = exif.camera;
   photo.time = exif.time;
   photo.color_profile = d.color.profile;

@@ -120,6 +120,7 @@ MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder) {
   PhotoLenses lenses = read_photo_lenses(sfm_folder, capture.set);
   capture.undistortions = std::move(lenses.undistortions);
   capture.without_camera = std::move(lenses.without_camera);
+  capture.camera_flash = lenses.camera_flash;
   return capture;
 }
 
@@ -246,7 +247,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 16,
+      .version = 17,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                  {.name = "masks",

@@ -221,7 +221,7 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
 }
 
 void write_lenses(const fs::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
-                  const Reconstruction& r) {
+                  const Reconstruction& r, std::span<const Photo> photos) {
   nlohmann::json j{{"cameras", nlohmann::json::array()}, {"without_camera", nlohmann::json::array()}};
   for (size_t c = 0; c < undistortions.size(); ++c)
     j["cameras"].push_back({{"photographed", camera_json(undistortions[c].source)},
@@ -229,6 +229,7 @@ void write_lenses(const fs::path& path, const std::vector<Undistortion>& undisto
                             {"resampled", !undistortions[c].identity}});
   for (const PhotoReport& p : r.photos)
     if (!p.registered) j["without_camera"].push_back(p.name);
+  if (2 * std::ranges::count_if(photos, &Photo::flash) > std::ptrdiff_t(photos.size())) j["camera_flash"] = true;
   write_json_file(path, j);
 }
 

@@ -307,7 +307,7 @@ void run(const SfmConfig& config, StageContext& context) {
   write_gains(output / "sfm" / "gains.json", photo_gains(model, photos, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
-  write_lenses(output / "sfm" / "lenses.json", undistortions, model, r);
+  write_lenses(output / "sfm" / "lenses.json", undistortions, model, r, photos);
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
                                                     .colmap = s.colmap,
                                                     .final_model = &model,
@@ -334,7 +334,7 @@ void run(const SfmConfig& config, StageContext& context) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 9,
+                 .version = 10,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

@@ -94,6 +94,7 @@ Exif parse_exif(std::string_view block) {
   exif.exposure_s = positive(d, EXIF_IFD_EXIF, EXIF_TAG_EXPOSURE_TIME);
   exif.f_number = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FNUMBER);
   exif.iso = positive(d, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
+  exif.flash = (static_cast<int>(positive(d, EXIF_IFD_EXIF, EXIF_TAG_FLASH).value_or(0)) & 1) != 0;
   exif.camera = camera_name(text(d, EXIF_IFD_0, EXIF_TAG_MAKE), text(d, EXIF_IFD_0, EXIF_TAG_MODEL));
   exif.time = text(d, EXIF_IFD_EXIF, EXIF_TAG_DATE_TIME_ORIGINAL);
   if (exif.time.empty()) exif.time = text(d, EXIF_IFD_0, EXIF_TAG_DATE_TIME);

@@ -15,6 +15,7 @@ struct Exif {
   double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = missing
   std::optional<double> exposure_s, f_number, iso;
   std::string camera, time;
+  bool flash = false;            // Flash, bit 0: the camera's flash fired
   int color_space = -1;          // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = missing
   std::string interoperability;  // InteroperabilityIndex: "R98", "R03" (Adobe RGB), or empty
 };

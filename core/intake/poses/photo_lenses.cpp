@@ -16,6 +16,7 @@ namespace {
 struct LensFile {
   std::map<uint32_t, ColmapCamera> photographed;  // original lenses, by camera id
   std::vector<std::string> without_camera;
+  bool camera_flash = false;
 };
 
 LensFile read_lenses(const fs::path& file) {
@@ -34,6 +35,7 @@ LensFile read_lenses(const fs::path& file) {
       out.photographed[camera.id] = camera;
     }
     out.without_camera = j.value("without_camera", std::vector<std::string>());
+    out.camera_flash = j.value("camera_flash", false);
   });
   return out;
 }
@@ -47,6 +49,7 @@ PhotoLenses read_photo_lenses(const fs::path& sfm_folder, const ViewSet& set) {
   const ColmapModel model = read_colmap_model(*folder);
   LensFile file = read_lenses(sfm_folder / "sfm/lenses.json");
   lenses.without_camera = std::move(file.without_camera);
+  lenses.camera_flash = file.camera_flash;
   for (const View& view : set.views) {
     const auto image =
         std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });

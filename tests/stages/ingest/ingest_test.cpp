@@ -97,11 +97,13 @@ TEST(Exif, GivesFocalExposureCameraAndTimeInBothByteOrders) {
                           {0x829d, 'r', 56, 10},
                           {0x8827, 's', 400},
                           {0x9003, 'a', 0, 1, "2024:05:06 07:08:09"},
+                          {0x9209, 's', 9},  // fired, compulsory
                           {0x920a, 'r', 350, 10},
                           {0xa405, 's', 50}},
                          big_endian);
     const Exif exif = parse_exif(block);
     EXPECT_EQ(exif.orientation, 6);
+    EXPECT_TRUE(exif.flash);
     EXPECT_EQ(exif.camera, "Maker X100");
     EXPECT_EQ(exif.time, "2024:05:06 07:08:09");
     EXPECT_DOUBLE_EQ(exif.focal_mm.value(), 35);
@@ -122,6 +124,11 @@ TEST(Exif, FocalFromTheFocalPlaneFollowsAResize) {
   EXPECT_NEAR(focal_of(exif, 1000, 667)->px, full * 1000 / 5184, 1) << "667 is rounded up";
   EXPECT_NEAR(focal_of(exif, 1000, 1000)->px, full * 1000 / 3456, 1e-6) << "cropped to a square, then reduced";
   EXPECT_EQ(focal_of(exif, 1000, 667)->source, "exif FocalLength and FocalPlaneXResolution");
+}
+
+TEST(Exif, AFlashThatDidNotFireIsNone) {
+  EXPECT_FALSE(parse_exif(test::exif_bytes({}, {{0x9209, 's', 16}})).flash);  // off, compulsory
+  EXPECT_FALSE(Exif{}.flash);
 }
 
 TEST(Exif, NonsenseAndDamageAreNotBelieved) {
