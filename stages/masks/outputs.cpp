@@ -37,13 +37,6 @@ ImageF fitted(ImageF image, const Intrinsics& k) {
   return image;
 }
 
-Image8 quantised(const ImageF& image) {
-  Image8 out(image.width(), image.height(), 1);
-  for (size_t i = 0; i < out.data().size(); ++i)
-    out.data()[i] = uint8_t(std::lround(std::clamp(image.data()[i], 0.f, 1.f) * 255.f));
-  return out;
-}
-
 // Sets to black where COLMAP should not extract features: outside the object, and on glass, mirrors and ignored pixels.
 void fold_into_colmap(MaskClass kind, const ImageF& mask, ImageF& colmap) {
   for (size_t i = 0; i < colmap.data().size(); ++i) {
@@ -95,7 +88,7 @@ MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
       double sum = 0;
       for (float value : mask.data()) sum += value;
       results.classes[size_t(kind)].coverage[v] = sum / double(mask.pixel_count());
-      const Image8 grey = quantised(mask);
+      const Image8 grey = bytes_of(mask);
       touched[size_t(kind)][v] = std::any_of(grey.data().begin(), grey.data().end(), [](uint8_t g) { return g > 0; });
       write_ldr(path, grey);
       fold_into_colmap(kind, mask, colmap);
@@ -104,8 +97,8 @@ MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
     const fs::path colmap_path = desc.output / "masks/colmap" / (views[v].name + ".png");
     make_folders(sure_path.parent_path());
     make_folders(colmap_path.parent_path());
-    write_ldr(sure_path, quantised(confidence));
-    write_ldr(colmap_path, quantised(colmap));
+    write_ldr(sure_path, bytes_of(confidence));
+    write_ldr(colmap_path, bytes_of(colmap));
     const std::lock_guard lock(reporting);
     ++done;
     context.progress({.fraction = 0.8 + 0.2 * double(done) / double(views.size()),

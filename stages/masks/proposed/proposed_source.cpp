@@ -61,7 +61,9 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Mask
       for (size_t i = 0; i < seen.size(); ++i) proposal->in_case[v][i] |= seen[i];
     });
   if (capture.camera_flash) {
-    log_info("masks: the photos were taken with the camera's flash, which changes every surface with the view: mirrors are not looked for");
+    log_info(
+        "masks: the photos were taken with the camera's flash, which changes every surface with the view: mirrors are not looked "
+        "for");
     return proposal;
   }
   proposal->mirrors = found_mirrors({.capture = capture, .views = views, .photos = photos, .stereo = &stereo}, explained,

@@ -233,23 +233,24 @@ TEST(SceneInfo, RoundTripsAndGainsMustBePositive) {
 
 TEST(PhotoList, RoundTripsIncludingWhatIsUnknown) {
   TemporaryFolder folder;
-  const std::vector<Photo> photos = {{"a.jpg", "a", "a.jpg", 100, 50, 400, 200, 6, 612.5, "exif FocalLengthIn35mmFilm", 11.25,
-                                      "Maker Model", "2024:01:02 03:04:05", "Display P3", "icc"},
-                                     {"sub/\xc3\xa4 b_png.png",
-                                      "sub/\xc3\xa4 b_png",
-                                      "sub/\xc3\xa4 b.png",
-                                      10,
-                                      20,
-                                      10,
-                                      20,
-                                      1,
-                                      {},
-                                      "",
-                                      {},
-                                      "",
-                                      "",
-                                      "sRGB",
-                                      "assumed sRGB"}};
+  std::vector<Photo> photos = {{"a.jpg", "a", "a.jpg", 100, 50, 400, 200, 6, 612.5, "exif FocalLengthIn35mmFilm", 11.25,
+                                "Maker Model", "2024:01:02 03:04:05", "Display P3", "icc"},
+                               {"sub/\xc3\xa4 b_png.png",
+                                "sub/\xc3\xa4 b_png",
+                                "sub/\xc3\xa4 b.png",
+                                10,
+                                20,
+                                10,
+                                20,
+                                1,
+                                {},
+                                "",
+                                {},
+                                "",
+                                "",
+                                "sRGB",
+                                "assumed sRGB"}};
+  photos[0].flash = true;
   write_photo_list(folder.path(), photos);
   EXPECT_EQ(read_photo_list(folder.path()), photos);
   write_file(folder.path() / "ingest" / "photos.json", R"({"photos": [{"name": "a.jpg"}]})");
