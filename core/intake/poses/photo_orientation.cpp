@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/scene/camera/colmap_lens.h"
+
 namespace vitrine {
 
 bool swaps_sides(int orientation) { return orientation >= 5 && orientation <= 8; }
@@ -37,11 +39,11 @@ ColmapCamera upright_camera(const ColmapCamera& stored, int orientation) {
   const Vec2d centre = upright_pixel({k.cx, k.cy}, orientation, {double(stored.width), double(stored.height)});
   if (swaps_sides(orientation)) std::swap(camera.width, camera.height);
   const std::string_view model = colmap_camera_type(stored.model_id)->name;
-  const bool two_focals = model == "PINHOLE" || model == "OPENCV";
+  const bool two_focals = has_two_focals(stored.model_id);
   if (two_focals && swaps_sides(orientation)) std::swap(camera.params[0], camera.params[1]);
   const size_t at = two_focals ? 2 : 1;
   camera.params[at] = centre.x, camera.params[at + 1] = centre.y;
-  if (model == "OPENCV") {
+  if (model == "OPENCV" || model == "FULL_OPENCV") {
     // Tangential distortion is r2 q + 2 d (q . d) with q = (p2, p1): q rotates with the picture. Radial distortion is invariant.
     const Vec3d q = upright_from_stored(orientation) * Vec3d{stored.params[7], stored.params[6], 0};
     camera.params[7] = q.x, camera.params[6] = q.y;

@@ -8,6 +8,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/intake/masks/photo_masks.h"
+#include "core/scene/camera/colmap_lens.h"
 #include "core/scene/image/probe.h"
 
 namespace vitrine {
@@ -265,8 +266,7 @@ ColmapCamera camera_on_photo(const ColmapCamera& given, const PosedPhoto& photo)
   const PixelSize& to = photo.for_stored ? photo.stored : photo.upright;
   const double sx = to.width / double(given.width), sy = to.height / double(given.height);
   ColmapCamera camera = given;
-  const std::string_view model = colmap_camera_type(camera.model_id)->name;
-  if (model == "PINHOLE" || model == "OPENCV") {
+  if (has_two_focals(camera.model_id)) {
     camera.params[0] *= sx, camera.params[1] *= sy, camera.params[2] *= sx, camera.params[3] *= sy;
   } else {
     // A single focal length cannot be scaled anisotropically: the mean of both factors is exact up to the rounding of the size.

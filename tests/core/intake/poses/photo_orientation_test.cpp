@@ -38,7 +38,8 @@ TEST(UprightCamera, SeesEveryPlaceWhereTheTurnedPhotoShowsIt) {
       {1, colmap_camera_type("PINHOLE")->id, 640, 480, {600, 590, 330, 225}},
       {1, colmap_camera_type("SIMPLE_RADIAL")->id, 640, 480, {600, 330, 225, -0.08}},
       {1, colmap_camera_type("RADIAL")->id, 640, 480, {600, 330, 225, -0.08, 0.02}},
-      {1, colmap_camera_type("OPENCV")->id, 640, 480, {600, 590, 330, 225, -0.08, 0.02, 0.004, -0.007}}};
+      {1, colmap_camera_type("OPENCV")->id, 640, 480, {600, 590, 330, 225, -0.08, 0.02, 0.004, -0.007}},
+      {1, colmap_camera_type("FULL_OPENCV")->id, 640, 480, {600, 590, 330, 225, -0.08, 0.02, 0.004, -0.007, 0.01, 0.02, 0, 0}}};
   Rng rng(3);
   for (const ColmapCamera& camera : cameras)
     for (int orientation = 1; orientation <= 8; ++orientation) {

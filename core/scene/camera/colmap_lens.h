@@ -1,0 +1,16 @@
+// Facts about the lens models of COLMAP that code for all of them needs (parameter lists: COLMAP, src/colmap/sensor/models.h).
+#pragma once
+
+#include "core/scene/camera/colmap_model.h"
+
+namespace vitrine {
+
+// True if the parameters start with fx, fy, cx, cy; else with f, cx, cy.
+bool has_two_focals(int model_id);
+
+// The camera in the simplest lens model that maps every direction to the same pixel. Models are reduced when their further
+// parameters are zero: FULL_OPENCV to OPENCV, OPENCV, FOV, DIVISION and EUCM to PINHOLE, RADIAL to SIMPLE_RADIAL, SIMPLE_RADIAL
+// and SIMPLE_DIVISION to SIMPLE_PINHOLE. Fisheye models stay: without distortion they are no pinhole cameras.
+ColmapCamera simplest_camera(ColmapCamera camera);
+
+}  // namespace vitrine
