@@ -14,6 +14,7 @@
 #include "core/intake/poses/named_poses.h"
 #include "core/intake/poses/photo_finder.h"
 #include "core/intake/poses/pose_files.h"
+#include "core/scene/camera/colmap_lens.h"
 
 namespace vitrine {
 
@@ -32,6 +33,28 @@ std::string matrix_key(const fs::path& file) {
 
 // Picture size of the matrices, in ingested pixels: stored or upright.
 PixelSize matrix_size(const Photo& photo, bool stored) { return stored ? stored_size(photo) : upright_size(photo); }
+
+// A file with the twelve numbers in the order of columns decomposes, too, but into a sheared camera.
+Decomposed decomposed_file(const double (&p)[12], const fs::path& file) {
+  try {
+    return decomposed_projection(p, file);
+  } catch (const Error&) {
+    double q[12];
+    for (size_t k = 0; k < 12; ++k) q[k] = p[3 * (k % 4) + k / 4];
+    double focal = 0;
+    try {
+      focal = decomposed_projection(q, file).fx;
+    } catch (const Error&) {
+    }
+    if (!(focal > 1)) throw;
+    throw Error(
+        ErrorKind::Input, "a projection matrix is stored by columns",
+        {.where = file.string(),
+         .why = fmt::format("read by rows its pixels are sheared, read by columns it has a focal length of {:.4g}", focal),
+         .hint = "write 3 rows of 4 numbers: transpose the matrices",
+         .code = "POSES_BAD_MATRIX"});
+  }
+}
 
 ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Photo> photos, double given_scale,
                           PosePixels& pixels) {
@@ -76,7 +99,7 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
                    .why = fmt::format("{} names the photo {}, too", first->second.string(), photos[*photo].name),
                    .hint = "remove one of them",
                    .code = "POSES_TWICE"});
-    rows.push_back({*photo, decomposed_projection(p, file)});
+    rows.push_back({*photo, decomposed_file(p, file)});
   }
   // Matrices often belong to larger originals and ignore EXIF. Try the scales 1, 1/2, .. 1/8 times the ingest reduction, for
   // stored and upright photos; use the one that centres the principal point.
@@ -162,6 +185,8 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs
     const std::optional<size_t> photo = find(model.images[i].name);
     if (!photo || !taken.insert(*photo).second) continue;
     ColmapCamera camera = *model.find_camera(model.images[i].camera_id);
+    // Models up to OPENCV stay as they are written: sfm/lenses.json names them.
+    if (camera.model_id > colmap_camera_type("OPENCV")->id) camera = simplest_camera(std::move(camera));
     is_distorted(camera);  // throws for unknown lens models
     if (sides_look_swapped(photos[*photo], camera)) std::swap(camera.width, camera.height);
     PosedPhoto p = posed_photo(photos[*photo], double(camera.width), double(camera.height));

@@ -148,7 +148,7 @@ void check_focal(const CheckedPoses& checked, const Measure& measure, const Pose
   if (given.offset < kVisiblePx) return;
   Fit best;
   double offset = kMuchBetter * given.offset;
-  for (const PoseVariant& focal : focal_variants(checked.model)) {
+  for (const PoseVariant& focal : focal_variants(checked.model, pixels)) {
     const Agreement a = measure(focal.model);
     if (a.share() < given.share() || a.offset > offset) continue;
     offset = a.offset;
@@ -202,7 +202,7 @@ CheckedPoses checked_with_matches(ColmapModel model, PosePixels& pixels, std::sp
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), measure, best);
     keep_best(order_variants(out.model), measure, best);
-    keep_best(focal_variants(out.model), measure, best);
+    keep_best(focal_variants(out.model, pixels), measure, best);
     const Fit* const fit = convinces(best, share, kMatches) ? &*best : nullptr;
     if (fit != nullptr || share < kMatches.hardly) {
       if (fit == nullptr && best) log_debug("poses: at most {:.0f} % agree, if {}", 100 * best->share, best->what);
@@ -225,7 +225,7 @@ CheckedPoses checked_with_pictures(ColmapModel model, PosePixels& pixels,
   if (own.all.tests >= kFewestTests && own.share() < kOwnPoints.weak) {
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), own_points_agreement, best);
-    keep_best(focal_variants(out.model), own_points_agreement, best);
+    keep_best(focal_variants(out.model, pixels), own_points_agreement, best);
     const Fit* const fit = convinces(best, own.share(), kOwnPoints) ? &*best : nullptr;
     if (fit != nullptr || own.share() < kOwnPoints.hardly)
       throw_disagree(own, fit, kOwnPoints, pixels, one_place(out.model), where);

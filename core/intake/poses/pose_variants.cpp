@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>
+
+#include "core/scene/camera/colmap_lens.h"
 
 namespace vitrine {
 
@@ -102,6 +105,65 @@ std::string fix_of(PoseSource source, const CameraAxes& axes, bool inverted) {
   return fix.empty() ? "change the poses: " + rule : fix + ": " + rule;
 }
 
+// Poses of which one half follows the format and the other half its inverse.
+struct MixedPose {
+  std::string what, fix;
+  std::function<Rigid(const Rigid& as_read)> pose;
+};
+
+Rigid with_centre(const Mat3d& rotation, const Vec3d& centre) { return {rotation, -(rotation * centre)}; }
+
+// With A = diag(1, -1, -1), the file's 3x3 part is S = R^T A and its last column the centre C, for the pose (R, -R C) as read.
+std::vector<MixedPose> mixed_in_transforms() {
+  const Mat3d flip = kOpenGl.ours_from_file;
+  const std::string transpose = "transpose the rotation (the first three rows and columns) of every transform_matrix";
+  const std::string cv = fmt::format(", and their camera axes are {}, not {}", kOpenCv.text, kOpenGl.text);
+  const char* const columns = "the last columns are the translations -R C, not the camera centres";
+  const std::string centres = "write the camera centre into the last column of every transform_matrix";
+  const auto centre = [](const Rigid& p) { return inverse(p).translation; };
+  return {
+      {"the rotations are transposed (the camera centres are right)", transpose,
+       [=](const Rigid& p) { return with_centre(flip * transposed(p.rotation) * flip, centre(p)); }},
+      {"the rotations are transposed (the camera centres are right)" + cv,
+       transpose + ", then negate its second and third column",
+       [=](const Rigid& p) { return with_centre(transposed(p.rotation) * flip, centre(p)); }},
+      {"the rotations are transposed (the camera centres are right), and columns were negated afterwards",
+       "transpose each rotation, then negate its second and third column",
+       [=](const Rigid& p) { return with_centre(transposed(p.rotation), centre(p)); }},
+      {columns, centres,
+       [=](const Rigid& p) {
+         return Rigid{p.rotation, flip * centre(p)};
+       }},
+      {columns + cv, centres + ", then negate the second and third column",
+       [=](const Rigid& p) {
+         return Rigid{flip * p.rotation, centre(p)};
+       }},
+      {std::string(columns) + ", in camera axes " + kOpenCv.text, centres,
+       [=](const Rigid& p) {
+         return Rigid{p.rotation, centre(p)};
+       }},
+  };
+}
+
+// Of (R, t) as read.
+std::vector<MixedPose> mixed_in_projections() {
+  const Mat3d flip = kOpenGl.ours_from_file;
+  const std::string gl = fmt::format(", and their camera axes are {}, not {}", kOpenGl.text, kOpenCv.text);
+  const char* const centres = "their translations are the camera centres, not -R C";
+  const char* const transpose = "transpose every rotation";
+  return {
+      {centres, "write t = -R C", [](const Rigid& p) { return with_centre(p.rotation, p.translation); }},
+      {centres + gl, "negate the second and third row of every rotation, then write t = -R C",
+       [=](const Rigid& p) { return with_centre(flip * p.rotation, p.translation); }},
+      {"the rotations are transposed (the translations are right)", transpose,
+       [](const Rigid& p) {
+         return Rigid{transposed(p.rotation), p.translation};
+       }},
+      {"the rotations are transposed (the camera centres are right)", std::string(transpose) + ", then write t = -R C",
+       [](const Rigid& p) { return with_centre(transposed(p.rotation), inverse(p).translation); }},
+  };
+}
+
 }  // namespace
 
 std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels) {
@@ -131,19 +193,17 @@ std::vector<PoseVariant> convention_variants(const ColmapModel& model, const Pos
   for (const CameraAxes* axes : {&kOpenCv, &kOpenGl, &kRobots}) add(*axes, true);
   for (const bool inverted : {false, true})
     for (const CameraAxes* axes : {&kUnity, &kUnreal}) add(*axes, inverted);
-  if (pixels.source != PoseSource::Colmap) return out;
-  for (const bool inverted : {false, true})
-    out.push_back({std::string("their quaternions are in the order x y z w, not w x y z") +
-                       (inverted ? ", they are world-from-camera" : ""),
-                   rule_of(pixels.source), unturned.changed(model, [&](Rigid pose) {
-                     const Quatd q = quaternion(pose.rotation);
-                     pose.rotation = rotation_matrix(normalized(Quatd{q.z, q.w, q.x, q.y}));
-                     return inverted ? inverse(pose) : pose;
-                   })});
-  out.push_back({"their translations are the camera centres, not -R C", rule_of(pixels.source),
-                 unturned.changed(model, [](const Rigid& pose) {
-                   return Rigid{pose.rotation, -(pose.rotation * pose.translation)};
-                 })});
+  if (pixels.source == PoseSource::Colmap)
+    for (const bool inverted : {false, true})
+      out.push_back({std::string("their quaternions are in the order x y z w, not w x y z") +
+                         (inverted ? ", they are world-from-camera" : ""),
+                     rule_of(pixels.source), unturned.changed(model, [&](Rigid pose) {
+                       const Quatd q = quaternion(pose.rotation);
+                       pose.rotation = rotation_matrix(normalized(Quatd{q.z, q.w, q.x, q.y}));
+                       return inverted ? inverse(pose) : pose;
+                     })});
+  std::vector<MixedPose> mixed = transforms ? mixed_in_transforms() : mixed_in_projections();
+  for (MixedPose& m : mixed) out.push_back({m.what, m.fix + ": " + rule_of(pixels.source), unturned.changed(model, m.pose)});
   return out;
 }
 
@@ -178,16 +238,71 @@ std::vector<PoseVariant> order_variants(const ColmapModel& model) {
   return out;
 }
 
-std::vector<PoseVariant> focal_variants(const ColmapModel& model) {
+namespace {
+
+// A convention of intrinsics without pixels: focal lengths and principal point for sides of 1, or of 2 (from -1 to 1).
+struct NormalizedIntrinsics {
+  const char* what;
+  bool each_side;    // relative to its own side; else to the longest
+  bool from_middle;  // the principal point
+  double side;       // length of a side
+};
+constexpr NormalizedIntrinsics kNormalized[] = {
+    {"fractions of the width and the height", true, false, 1},
+    {"fractions of the longest side, with the principal point from the middle (OpenSfM's)", false, true, 1},
+    {"fractions of the longest side", false, false, 1},
+    {"in a picture from -1 to 1 (normalised device coordinates)", true, true, 2}};
+
+constexpr double kNormalizedFocal = 16;  // a lens longer than that has a field of view below 4 degrees; in pixels it has 120
+
+// Principal points outside the unit square are in pixels, as the middle is where a file has none.
+ColmapCamera denormalized(const ColmapCamera& c, const PixelSize& given, const NormalizedIntrinsics& n) {
+  ColmapCamera out = c;
+  const bool two = has_two_focals(c.model_id);
+  const double sides[] = {double(c.width), double(c.height)}, file_sides[] = {given.width, given.height};
+  const double longest = std::max(sides[0], sides[1]);
+  const size_t centre = two ? 2 : 1;
+  for (size_t k = 0; k < 2; ++k) {
+    const double as_written = file_sides[k] / sides[k], unit = (n.each_side ? sides[k] : longest) / n.side;
+    if (k == 0 || two) out.params[k] = c.params[k] * as_written * unit;
+    const double at = c.params[centre + k] * as_written;
+    if (std::abs(at) <= 1) out.params[centre + k] = n.from_middle ? 0.5 * sides[k] + at * unit : at * unit;
+  }
+  return out;
+}
+
+void add_normalized(const ColmapModel& model, const PosePixels& pixels, std::vector<PoseVariant>& out) {
+  std::map<std::string, PixelSize> size_of_photo;
+  for (const PosedPhoto& p : pixels.photos)
+    size_of_photo[p.name] = p.for_stored && swaps_sides(p.orientation) ? PixelSize{p.given.height, p.given.width} : p.given;
+  std::map<uint32_t, PixelSize> size_of;
+  for (const ColmapImage& image : model.images)
+    if (const auto found = size_of_photo.find(image.name); found != size_of_photo.end()) size_of[image.camera_id] = found->second;
+  const auto normalized = [&](const ColmapCamera& c) {
+    const auto given = size_of.find(c.id);
+    return given != size_of.end() && c.params[0] * given->second.width / double(c.width) < kNormalizedFocal;
+  };
+  if (!std::all_of(model.cameras.begin(), model.cameras.end(), normalized)) return;
+  for (const NormalizedIntrinsics& n : kNormalized) {
+    PoseVariant v{fmt::format("the intrinsics are {}, not pixels", n.what),
+                  "give focal lengths and principal points in pixels, like width and height", model};
+    for (ColmapCamera& camera : v.model.cameras) camera = denormalized(camera, size_of.at(camera.id), n);
+    out.push_back(std::move(v));
+  }
+}
+
+}  // namespace
+
+std::vector<PoseVariant> focal_variants(const ColmapModel& model, const PosePixels& pixels) {
   std::vector<PoseVariant> out;
+  add_normalized(model, pixels, out);
   for (const double factor : {2.0, 0.5, 4.0, 0.25, 8.0, 0.125}) {
     PoseVariant v{{}, {}, model};
     double before = 0;
     for (ColmapCamera& camera : v.model.cameras) {
       before = camera.params[0];
-      const std::string_view type = colmap_camera_type(camera.model_id)->name;
       camera.params[0] *= factor;
-      if (type == "PINHOLE" || type == "OPENCV") camera.params[1] *= factor;
+      if (has_two_focals(camera.model_id)) camera.params[1] *= factor;
     }
     v.what = fmt::format("the focal length is about {:.3g} times as long ({:.0f} instead of {:.0f} pixels)", factor,
                          factor * before, before);
@@ -255,8 +370,7 @@ ColmapModel as_cropped(ColmapModel model, const PosePixels& pixels) {
     const auto found = cameras.find(camera.id);
     if (found == cameras.end()) continue;
     const auto m = middle(*found->second);
-    const std::string_view type = colmap_camera_type(camera.model_id)->name;
-    const bool two = type == "PINHOLE" || type == "OPENCV";
+    const bool two = has_two_focals(camera.model_id);
     const size_t centre = two ? 2 : 1;
     camera.params[0] *= two ? m.sx : 0.5 * (m.sx + m.sy);
     if (two) camera.params[1] *= m.sy;

@@ -20,13 +20,13 @@ struct PoseVariant {
   ColmapModel model;
 };
 
-// The usual camera axes, each also inverted; for a COLMAP model also the other quaternion order and the camera centre as
-// translation. The simplest first.
+// The usual camera axes, each also inverted; poses of which the rotation or the translation alone is inverted (R^T with C or t,
+// R with C); for a COLMAP model also the other quaternion order. The simplest first.
 std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels);
 // Poses assigned to other photos: shifted by one or two, reversed, or sorted as text where the photos are sorted as numbers.
 std::vector<PoseVariant> order_variants(const ColmapModel& model);
-// Focal lengths for pictures of 1/2, 1/4 or 1/8 of the size, and of 2, 4 or 8 times the size.
-std::vector<PoseVariant> focal_variants(const ColmapModel& model);
+// Normalised intrinsics; focal lengths for pictures of 1/2, 1/4 or 1/8 of the size, and of 2, 4 or 8 times the size.
+std::vector<PoseVariant> focal_variants(const ColmapModel& model, const PosePixels& pixels);
 
 // Rotates the photos whose orientation is not settled the other way, and updates `pixels`.
 ColmapModel turned_other_way(ColmapModel model, PosePixels& pixels);

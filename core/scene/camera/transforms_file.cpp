@@ -146,6 +146,9 @@ Similarity similarity_of(const JsonAt& rows) {
     for (size_t c = 0; c < 3; ++c) m.rotation(r, c) = row[c].number();
     m.translation[r] = row[3].number();
   }
+  if (rows.size() == 4 && length(m.translation) == 0 && rows[3].value().is_array() && rows[3].size() == 4 &&
+      length(Vec3d{rows[3][0].number(), rows[3][1].number(), rows[3][2].number()}) > 0)
+    rows.fail("the matrix is transposed (stored by columns): its last row has the position; write it by rows");
   m.scale = std::cbrt(determinant(m.rotation));
   if (!(m.scale > 1e-9) || !std::isfinite(m.scale)) rows.fail("the matrix mirrors or flattens space");
   for (size_t c = 0; c < 3; ++c) m.rotation.column(c) = m.rotation.column(c) / m.scale;

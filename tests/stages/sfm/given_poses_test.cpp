@@ -93,6 +93,38 @@ TEST(GivenPoses, MatricesOfLargerOriginalsAreScaledToThePhotos) {
   EXPECT_NEAR(pinhole_part(read_given_poses(folder.path(), photos_of(truth, 640, 480), 0.25).cameras[0]).fx, 300, 1e-8);
 }
 
+TEST(GivenPoses, MatricesStoredByColumnsAreNamed) {
+  const ColmapModel truth = synthetic_model(ring(5, 3, 1, {0, 0, 1}), cloud(50, 1));
+  const TemporaryFolder folder;
+  for (const ColmapImage& image : truth.images) {
+    const Matrix m = projection(600, 600, 325, 236, 0, image.cam_from_world(), 1);
+    std::string text;
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 3; ++row) text += fmt::format("{:.17g} ", m.p[4 * row + column]);
+    write_file(folder.path() / (fs::path(image.name).stem().string() + ".txt"), text + "\n");
+  }
+  const Error e = error_of([&] { read_given_poses(folder.path(), photos_of(truth, 640, 480), 0); });
+  EXPECT_EQ(e.detail().code, "POSES_BAD_MATRIX");
+  EXPECT_NE(std::string(e.what()).find("stored by columns"), std::string::npos) << e.what();
+  EXPECT_NE(e.detail().why.find("a focal length of 600"), std::string::npos) << e.detail().why;
+}
+
+// RealityScan writes FULL_OPENCV with zeros for pictures that it undistorted.
+TEST(GivenPoses, LensesWhoseFurtherParametersAreZeroAreReadAsSimplerOnes) {
+  const auto model_read = [](std::vector<double> params) {
+    const ColmapCamera lens{1, colmap_camera_type("FULL_OPENCV")->id, 640, 480, std::move(params)};
+    ColmapModel truth = synthetic_model(ring(5, 3, 1, {0, 0, 1}), cloud(50, 1));
+    truth.cameras = {lens};
+    const TemporaryFolder folder;
+    write_colmap_model(folder.path(), truth, ColmapFormat::Text);
+    const ColmapModel read = read_given_poses(folder.path(), photos_of(truth, 640, 480), 0);
+    return std::string(colmap_camera_type(read.cameras.at(0).model_id)->name);
+  };
+  EXPECT_EQ(model_read({600, 600, 320, 240, 0, 0, 0, 0, 0, 0, 0, 0}), "PINHOLE");
+  EXPECT_EQ(model_read({600, 600, 320, 240, 0.01, 0.002, 0, 0, 0, 0, 0, 0}), "OPENCV");
+  EXPECT_EQ(model_read({600, 600, 320, 240, 0.01, 0.002, 0, 0, 0.003, 0, 0, 0}), "FULL_OPENCV");
+}
+
 TEST(GivenPoses, ColmapModelIsScaledToTheIngestedSizeAndKeepsItsPoints) {
   const ColmapModel truth = synthetic_model(ring(6, 3, 1, {0, 0, 1}), cloud(80, 1), {1, 2, 640, 480, {600, 320, 240, 0.01}});
   for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text}) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -155,6 +156,63 @@ TEST(PoseCheck, QuaternionsInAnotherOrderAndCentresAsTranslationsAreNamed) {
   EXPECT_TRUE(has(refusal(xyzw).detail().why, "x y z w")) << refusal(xyzw).what();
   const Error centres = refusal(with_poses(scene(), [](const Rigid& p) { return Rigid{p.rotation, inverse(p).translation}; }));
   EXPECT_TRUE(has(centres.detail().why, "their translations are the camera centres")) << centres.what();
+}
+
+// Both kinds of camera axes, of a file that holds (R^T, C), (R, C) or (R, t) where another pair is the rule.
+TEST(PoseCheck, ARotationOrATranslationThatAloneIsInvertedIsNamedWithItsShare) {
+  const auto as_transforms = [](const Mat3d& part, const Vec3d& column) {  // as transforms_file.cpp reads part and last column
+    return inverse(Rigid{part * kFlip, column});
+  };
+  const auto centre = [](const Rigid& p) { return inverse(p).translation; };
+  const auto why = [](const ColmapModel& m, PoseSource source) { return refusal(m, source).detail().why; };
+  struct Case {
+    const char* named;
+    std::function<Rigid(const Rigid&)> read;
+  };
+  const Case transforms[] = {
+      {"agree if the rotations are transposed", [&](const Rigid& p) { return as_transforms(p.rotation, centre(p)); }},
+      {"agree if the rotations are transposed", [&](const Rigid& p) { return as_transforms(kFlip * p.rotation, centre(p)); }},
+      {"agree if the rotations are transposed", [&](const Rigid& p) { return as_transforms(p.rotation * kFlip, centre(p)); }},
+      {"agree if the last columns are the translations -R C",
+       [&](const Rigid& p) { return as_transforms(transposed(p.rotation) * kFlip, p.translation); }},
+      {"agree if the last columns are the translations -R C",
+       [&](const Rigid& p) { return as_transforms(transposed(p.rotation), p.translation); }}};
+  for (const Case& c : transforms) {
+    const std::string text = why(with_poses(scene(), c.read), PoseSource::Transforms);
+    EXPECT_TRUE(has(text, c.named) && has(text, "9")) << text;
+  }
+  const Case projections[] = {{"agree if the rotations are transposed (the translations are right)",
+                               [](const Rigid& p) {
+                                 return Rigid{transposed(p.rotation), p.translation};
+                               }},
+                              {"agree if the rotations are transposed (the camera centres are right)",
+                               [&](const Rigid& p) {
+                                 return Rigid{transposed(p.rotation), -(transposed(p.rotation) * centre(p))};
+                               }},
+                              {"agree if their translations are the camera centres", [&](const Rigid& p) {
+                                 return Rigid{p.rotation, centre(p)};
+                               }}};
+  for (const PoseSource source : {PoseSource::Colmap, PoseSource::Matrices})
+    for (const Case& c : projections) {
+      const std::string text = why(with_poses(scene(), c.read), source);
+      EXPECT_TRUE(has(text, c.named)) << text;
+    }
+}
+
+TEST(PoseCheck, NormalisedIntrinsicsAreNamed) {
+  const auto why = [](double fx, double fy, double cx, double cy) {
+    ColmapModel m = without_points(scene());
+    for (ColmapCamera& camera : m.cameras) camera.params = {fx, fy, cx, cy};
+    return refusal(m, PoseSource::Transforms).detail().why;
+  };
+  const std::string sides = why(600 / 640., 600 / 480., 330 / 640., 235 / 480.);
+  EXPECT_TRUE(has(sides, "fractions of the width and the height")) << sides;
+  const std::string longest = why(600 / 640., 600 / 640., 10 / 640., -5 / 640.);
+  EXPECT_TRUE(has(longest, "fractions of the longest side")) << longest;
+  const std::string device = why(600 / 320., 600 / 240., 10 / 320., -5 / 240.);
+  EXPECT_TRUE(has(device, "from -1 to 1")) << device;
+  const std::string pixel_centre = why(600 / 640., 600 / 640., 330, 235);
+  EXPECT_TRUE(has(pixel_centre, "fractions of the longest side")) << pixel_centre;
 }
 
 TEST(PoseCheck, PosesOfOtherPhotosAreRefusedAndAnOrderThatFitsIsNamed) {

@@ -183,6 +183,8 @@ TEST(TransformsJson, RefusesWhatItCannotHonour) {
             std::string::npos);
   EXPECT_NE(refused(k, R"(, "transform_matrix": "none")"), "");
   EXPECT_NE(refused("\"w\": \"wide\", ", pose), "");
+  const std::string by_columns = R"(, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0.5,0,5,1]])";
+  EXPECT_NE(refused(k, by_columns).find("transposed (stored by columns)"), std::string::npos);
 }
 
 TEST(TransformsJson, TruncatedAndFlippedFilesAreErrors) {
