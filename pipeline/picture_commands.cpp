@@ -128,6 +128,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
 
 int render_command(const Words& words) {
   PictureArguments a;
+  std::string camera;
   bool layers = false;
   PictureTool tool{.name = "render",
                    .folder = "render",
@@ -136,6 +137,8 @@ int render_command(const Words& words) {
                    .words = {}};
   CommandLine cli("vitrine render", "[PROJECT] [options]",
                   "Pictures of the trained scene. PROJECT is the output folder of `vitrine run`; default: the current folder.");
+  cli.value("camera", 0, "KIND", camera,
+            "perspective, or equirect: the whole sphere around each camera, 2:1; default: perspective.");
   cli.flag("layers", 'l', layers, "Also write what the pictures are made of, as EXR.");
   add_picture_options(cli, a, tool);
   const Words rest = cli.parse(words, 1);
@@ -144,6 +147,7 @@ int render_command(const Words& words) {
     return 0;
   }
   if (layers) tool.words = {"--set", "layers=true"};
+  if (!camera.empty()) tool.words.insert(tool.words.end(), {"--set", "camera=" + camera});
   return run_picture_tool(tool, picture_project(rest), a);
 }
 

@@ -1,27 +1,60 @@
 #include "stages/render/render.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/image/ldr.h"
+#include "core/foundation/config/json_file.h"
+#include "core/render/picture/panorama_picture.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/render/picture/view_picture.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine {
 
 namespace {
 
 std::string problem_of(const RenderConfig& c) {
-  return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
+  if ((c.width == 0) != (c.height == 0)) return "width and height must be given together";
+  if (c.camera == RenderCamera::Equirect && c.width != 2 * c.height)
+    return "an equirectangular picture is twice as wide as high: width must be 2 x height";
+  return "";
+}
+
+// One upright panorama for each place: views that share a centre, as those cut from one panorama, would show the same. Frames of
+// a path are all kept.
+std::vector<View> panorama_views(const RenderConfig& config, const std::vector<View>& views) {
+  constexpr double kSamePlace = 1e-6;  // of the scene radius
+  std::vector<View> out;
+  for (const View& v : views) {
+    const bool seen = config.views != ViewChoice::Path && std::ranges::any_of(out, [&](const View& other) {
+                        return length(other.centre_in_world() - v.centre_in_world()) < kSamePlace;
+                      });
+    if (seen) continue;
+    const int width = std::min(config.width > 0 ? config.width : panorama_width(v.intrinsics), kMaxPictureSide);
+    out.push_back(upright_panorama(v));
+    out.back().intrinsics = {width,       width / 2,   width / (2 * std::numbers::pi), width / (2 * std::numbers::pi),
+                             0.5 * width, 0.25 * width};
+  }
+  return out;
+}
+
+// The word of nerfstudio.
+void name_camera_model(const fs::path& path, const char* model) {
+  nlohmann::json cameras = nlohmann::json::parse(read_file(path));
+  cameras["camera_model"] = model;
+  write_json_file(path, cameras);
 }
 
 }  // namespace
 
 void describe(Describer& d, RenderConfig& c) {
   d.choice("views", c.views, kViewChoiceWords, "Cameras: held-out photos, training photos, both, or those of the input `path`.");
+  d.choice("camera", c.camera, kRenderCameraWords,
+           "Pictures: perspective, or equirect (the whole sphere around each camera, 2:1, upright).");
   d.option("layers", c.layers, "Also write what the pictures are made of, as EXR.");
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
@@ -30,18 +63,21 @@ void describe(Describer& d, RenderConfig& c) {
 }
 
 void run_render(const RenderConfig& config, StageContext& context) {
+  const bool equirect = config.camera == RenderCamera::Equirect;
   std::vector<View> views = picture_views({.which = config.views,
                                            .sfm = context.input("sfm"),
                                            .optimize = context.input("optimize"),
                                            .path = context.optional_input("path"),
-                                           .width = config.width,
-                                           .height = config.height});
+                                           .width = equirect ? 0 : config.width,
+                                           .height = equirect ? 0 : config.height});
+  if (equirect) views = panorama_views(config, views);
   ScenePainter painter(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
                        {.backend = config.backend, .layers = config.layers, .samples = config.samples});
   const fs::path out = context.output() / "render";
   for (size_t i = 0; i < views.size(); ++i) {
     throw_if_interrupted();
-    const ViewPicture picture = painter.picture(views[i]);
+    const ViewPicture picture =
+        equirect ? panorama_picture(painter, views[i], views[i].intrinsics.width) : painter.picture(views[i]);
     const fs::path file = out / (views[i].stem() + ".png");
     make_folders(file.parent_path());
     Image8 bytes(picture.srgb.width(), picture.srgb.height(), 3);
@@ -57,9 +93,11 @@ void run_render(const RenderConfig& config, StageContext& context) {
         {.fraction = double(i + 1) / double(views.size()), .text = fmt::format("view {}/{}", i + 1, views.size()), .values = {}});
   }
   write_transforms_json(out / "transforms.json", views, ".");
+  if (equirect) name_camera_model(out / "transforms.json", "EQUIRECTANGULAR");
   context.metric("views", double(views.size()));
   const Intrinsics& k = views[0].intrinsics;
-  context.summary(fmt::format("{} {} of {}x{}{}", views.size(), views.size() == 1 ? "picture" : "pictures", k.width, k.height,
+  context.summary(fmt::format("{} {}{} of {}x{}{}", views.size(), equirect ? "equirectangular " : "",
+                              views.size() == 1 ? "picture" : "pictures", k.width, k.height,
                               config.layers ? ", with layers" : ""));
 }
 

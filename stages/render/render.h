@@ -10,8 +10,12 @@
 
 namespace vitrine {
 
+enum class RenderCamera { Perspective, Equirect };
+inline constexpr std::array<std::string_view, 2> kRenderCameraWords{"perspective", "equirect"};
+
 struct RenderConfig {
   ViewChoice views = ViewChoice::Heldout;
+  RenderCamera camera = RenderCamera::Perspective;
   bool layers = false;
   int width = 0, height = 0, samples = 0;
   Backend backend = Backend::Cpu;

@@ -48,6 +48,13 @@ const ImageF* ViewPicture::layer(std::string_view name) const {
   return it == layers.end() ? nullptr : &it->map.pixels;
 }
 
+ImageF displayed(const ImageF& linear, const Vec3d& gain) {
+  ImageF out = linear;
+  for (size_t i = 0; i < out.data().size(); ++i)
+    out.data()[i] = srgb_from_linear(std::clamp(float(gain[i % 3]) * linear.data()[i], 0.f, 1.f));
+  return out;
+}
+
 ScenePainter::ScenePainter(TrainedScene scene, const PictureDesc& desc)
     : scene_(std::move(scene)), desc_(desc), model_(options_of_picture(scene_, desc)) {}
 
@@ -55,14 +62,14 @@ ViewPicture ScenePainter::picture(const View& view) {
   frame_.differentiable = false;
   model_.forward(scene_.surfels, view, frame_);
   const Intrinsics& k = view.intrinsics;
-  ViewPicture out{k, ImageF(k.width, k.height, 3), ImageF(k.width, k.height, 1), ImageF(k.width, k.height, 3), {}};
+  ViewPicture out{k, {}, ImageF(k.width, k.height, 1), ImageF(k.width, k.height, 3), {}, {}};
+  out.linear = interleaved(frame_.linear, k.width, k.height, 3);
+  out.srgb = displayed(out.linear, view.gain);
   const size_t n = out.srgb.pixel_count();
   const RasterImages& surface = frame_.diffuse;
   const auto normal = surface.plane(Aov::Normal), zdepth = surface.plane(Aov::ZDepth);
   const auto alpha = surface.plane(Aov::Alpha), median_z = surface.plane(Aov::MedianZ);
   for (size_t i = 0; i < n; ++i) {
-    for (size_t c = 0; c < 3; ++c)
-      out.srgb.data()[3 * i + c] = srgb_from_linear(std::clamp(float(view.gain[c]) * frame_.linear[c * n + i], 0.f, 1.f));
     if (!(alpha[i] >= kOpaqueAlpha)) continue;
     out.zdepth.data()[i] = surface_depth(zdepth[i], alpha[i], median_z[i]);
     const Vec3f blended{normal[i], normal[n + i], normal[2 * n + i]};
@@ -71,7 +78,7 @@ ViewPicture ScenePainter::picture(const View& view) {
       for (size_t c = 0; c < 3; ++c) out.normal_in_world.data()[3 * i + c] = blended[c] / size;
   }
   if (!desc_.layers) return out;
-  out.layers.push_back(radiance_layer("radiance", frame_.linear, k));
+  out.layers.push_back({"radiance", {out.linear, {"R", "G", "B"}, {}}});
   const LayerImages& parts = frame_.layers;
   const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
   out.layers.push_back(radiance_layer("diffuse", parts.diffuse, k));

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/camera/view.h"
-#include "core/scene/image/exr.h"
 #include "core/render/model/layered_model.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/exr.h"
 
 namespace vitrine {
 
@@ -31,9 +31,13 @@ struct ViewPicture {
   ImageF zdepth;                     // [h, w, 1]; 0 where alpha < 1/2
   ImageF normal_in_world;            // [h, w, 3], unit; 0 0 0 where alpha < 1/2
   std::vector<PictureLayer> layers;  // empty unless requested
+  ImageF linear = {};                // [h, w, 3] radiance before the gain
 
   const ImageF* layer(std::string_view name) const;  // nullptr if there is none
 };
+
+// Radiance as shown: times the gain, clipped to [0, 1], sRGB.
+ImageF displayed(const ImageF& linear, const Vec3d& gain);
 
 struct PictureDesc {
   Backend backend = Backend::Cpu;  // of the rasteriser; Reference also selects the reference tracer
