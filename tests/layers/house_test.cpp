@@ -21,11 +21,11 @@ struct Ceiling {
   const char* folder;
   size_t lines, private_words;
 };
-constexpr Ceiling kCeilings[] = {{"core/foundation", 5800, 4}, {"core/scene", 12550, 23},  {"core/intake", 6050, 43},
-                                 {"core/observe", 5650, 18},   {"core/render", 12750, 91}, {"core/learn", 3600, 5},
-                                 {"stages", 30350, 284},       {"pipeline", 6850, 56}};
+constexpr Ceiling kCeilings[] = {{"core/foundation", 5800, 4}, {"core/scene", 12700, 23},  {"core/intake", 6160, 43},
+                                 {"core/observe", 5650, 18},   {"core/render", 12920, 91}, {"core/learn", 3600, 5},
+                                 {"stages", 30360, 284},       {"pipeline", 6850, 56}};
 constexpr size_t kSmallFileLines = 40;
-constexpr size_t kMostSmallFiles = 265, kMostConstants = 1211, kMostQuestionHeaders = 0;
+constexpr size_t kMostSmallFiles = 267, kMostConstants = 1217, kMostQuestionHeaders = 0;
 
 // Standard terms for them stand in the glossary of core/README.md.
 constexpr std::array<std::string_view, 22> kPrivateWords{
