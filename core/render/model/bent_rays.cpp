@@ -78,11 +78,11 @@ void BentRays::forward(const TransmissionOptions& options, const SplatLayer& ope
   const ShadedPixels& s = frame.shaded;
   const size_t all = frame.pixel_count();
   behind.path.assign(all, GlassPath::Straight);
-  asking_.clear();
+  requesting_.clear();
   for (size_t i = 0; i < s.pixels.size(); ++i)
-    if (s.asks[i].transmission) asking_.push_back(s.pixels[i]);
+    if (s.requests[i].transmission) requesting_.push_back(s.pixels[i]);
   const int side = frame.differentiable ? 1 : kPictureRays;
-  legs_.find(*options.thick, frame, asking_, behind.path, side);
+  legs_.find(*options.thick, frame, requesting_, behind.path, side);
   if (legs_.pixels.empty()) return;
 
   if (!tracer_) tracer_ = make_tracer(options.backend);
@@ -106,13 +106,13 @@ void BentRays::forward(const TransmissionOptions& options, const SplatLayer& ope
   });
 }
 
-void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics) {
+void BentRays::backward(Frame& frame, std::span<float> error_image, SplatLayer& grad, SurfelStatistics& statistics) {
   if (legs_.pixels.empty()) return;
   std::vector<float>& upstream = frame.behind.grad_radiance;
   const size_t all = frame.pixel_count();
   gradients_.color.resize(legs_.far.size());
   gradients_.transmittance.resize(legs_.far.size());
-  blame_.resize(blame.empty() ? 0 : legs_.far.size());
+  ray_error_.resize(error_image.empty() ? 0 : legs_.far.size());
   parallel_chunks(legs_.pixels.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
     for (size_t p = first; p < last; ++p) {
       const uint32_t pixel = legs_.pixels[p], begin = legs_.begin[p], end = legs_.begin[p + 1];
@@ -130,12 +130,12 @@ void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, 
         gradients_.transmittance[k] *= dot(g, beyond);
         beyond = legs_.passed[k] * (values_.color[k] + values_.transmittance[k] * beyond);
       }
-      if (blame.empty()) continue;
-      std::fill(blame_.begin() + begin, blame_.begin() + end, blame[pixel]);
-      blame[pixel] = 0;
+      if (error_image.empty()) continue;
+      std::fill(ray_error_.begin() + begin, ray_error_.begin() + end, error_image[pixel]);
+      error_image[pixel] = 0;
     }
   });
-  tracer_->backward(legs_.batch(), desc_, hits_, {.gradients = &gradients_, .error = blame_}, grad, nullptr, &statistics);
+  tracer_->backward(legs_.batch(), desc_, hits_, {.gradients = &gradients_, .error = ray_error_}, grad, nullptr, &statistics);
 }
 
 }  // namespace vitrine

@@ -42,16 +42,17 @@ class BentRays {
   // `opened`: the scene without glass, as rendered in frame.behind. Writes radiance and inner_transmittance of pixels with
   // refracted paths, and frame.behind.path.
   void forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame);
-  // Moves the gradients (and the per-surfel error image `blame`, [h,w] or empty) of these pixels from the straight view to the
+  // Moves the gradients (and `error_image`, [h,w] or empty, the source of per-surfel errors) of these pixels from the straight
+  // view to the
   // refracted rays: adds to `grad`, of the shape of `opened`, and to `statistics`.
-  void backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics);
+  void backward(Frame& frame, std::span<float> error_image, SplatLayer& grad, SurfelStatistics& statistics);
 
  private:
   std::unique_ptr<Tracer> tracer_;
   TraceDesc desc_;
   BentLegs legs_;
-  std::vector<uint32_t> asking_;
-  std::vector<float> blame_;
+  std::vector<uint32_t> requesting_;
+  std::vector<float> ray_error_;
   RayValues values_, gradients_;
   HitLists hits_;
 };

@@ -18,9 +18,9 @@ float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3.f; }
 
 // Layers available in a pixel: those it requested, if the group's rays sampled them.
 LayersPresent present(const Frame& frame, size_t group, uint32_t entry) {
-  const LayersPresent asks = frame.shaded.asks[entry], sent = frame.shaded.asked(group);
-  return {.reflection = asks.reflection && sent.reflection,
-          .transmission = asks.transmission && (sent.transmission || !frame.behind.radiance.empty())};
+  const LayersPresent requested = frame.shaded.requests[entry], sent = frame.shaded.requested(group);
+  return {.reflection = requested.reflection && sent.reflection,
+          .transmission = requested.transmission && (sent.transmission || !frame.behind.radiance.empty())};
 }
 
 Vec3f radiance(const SecondaryRays& rays, size_t group) { return rays.radiance.empty() ? Vec3f{} : rays.radiance[group]; }
@@ -161,7 +161,7 @@ void CompositePass::mirrors_backward(Frame& frame, const GBuffer& buffer, size_t
   const Vec3f beyond = radiance(frame.reflection, group);
   for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
     const uint32_t pixel = s.pixels[i];
-    if (!frame.panes.teaches[pixel]) continue;
+    if (!frame.panes.passes_gradient[pixel]) continue;
     const LayerWeights<float> w = layer_weights(frame.options.composite.blend, buffer.material(pixel), present(frame, group, i));
     const Vec3f grad = hadamard(buffer.rgb(frame.grad_linear, pixel), w.reflection);
     write(frame.panes.grad_near, frame.pixel_count(), pixel, grad);

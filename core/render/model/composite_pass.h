@@ -13,9 +13,9 @@ class CompositePass final : public Pass {
  public:
   std::string_view name() const override { return "composite"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers,
-                      FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance, FramePart::TransmittedRadiance,
-                      FramePart::Coats},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::ReflectionRequests,
+                      FramePart::TransmissionRequests, FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance,
+                      FramePart::TransmittedRadiance, FramePart::Coats},
             .writes = {FramePart::PictureWeights, FramePart::LayerImages},
             .adds = {FramePart::Linear}};
   }

@@ -57,7 +57,7 @@ struct PaneImages {
   std::vector<float> near_open, far_open;    // [h,w] transmittance of that reflection
   std::vector<float> far_share, far_cosine;  // [h,w] 1: the ray leaves through the far pane; cosine there
   // Flat mirrors, whose gradients train the mirrored scene; empty without one.
-  std::vector<uint8_t> teaches;             // [h,w]
+  std::vector<uint8_t> passes_gradient;             // [h,w]
   std::vector<float> grad_near, grad_open;  // [3,h,w], [h,w] dL/dnear_color, dL/dnear_open
   std::vector<float> picture_weight;        // [h,w] of near_color in the pixel
   bool empty() const { return shown.empty(); }

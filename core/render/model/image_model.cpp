@@ -9,9 +9,9 @@ namespace vitrine {
 namespace {
 
 constexpr std::array<std::string_view, kFrameParts> kPartNames{
-    "diffuse channels",   "linear radiance",      "shown shapes",        "coats",        "silhouettes",     "sheets",
-    "surfaces",           "reflection askers",    "transmission askers", "opened scene", "behind glass",    "panes",
-    "reflected radiance", "transmitted radiance", "picture weights",     "layer images", "display picture", "error image",
+    "diffuse channels",   "linear radiance",      "shown shapes",          "coats",        "silhouettes",     "sheets",
+    "surfaces",           "reflection requests",  "transmission requests", "opened scene", "behind glass",    "panes",
+    "reflected radiance", "transmitted radiance", "picture weights",       "layer images", "display picture", "error image",
     "diffuse sums",       "reflection sums",      "transmittance sums"};
 static_assert(!kPartNames.back().empty());
 

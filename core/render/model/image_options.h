@@ -28,7 +28,7 @@ struct DiffuseOptions {
 struct ShapeOptions {
   std::shared_ptr<const ShapeSet> set = nullptr;
   float min_alpha = 0.5f;   // no surface below this alpha
-  float polished = 0.3f;    // minimum k_s of a mirror
+  float min_specular = 0.3f;    // minimum k_s of a mirror
   bool silhouettes = true;  // treat pixels at silhouettes (SilhouettePass)
 };
 

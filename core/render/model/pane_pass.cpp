@@ -24,7 +24,7 @@ constexpr float kMirrorNear = 1e-3f;   // scene units in front of the mirrored c
 
 void PaneImages::clear() {
   shown.clear();
-  teaches.clear();
+  passes_gradient.clear();
   for (auto* plane :
        {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine, &grad_near, &grad_open, &picture_weight})
     plane->clear();
@@ -53,7 +53,7 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
 }
 
 // Finds the surfels of the mirror itself, which would occlude the scene from the mirrored camera.
-void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float polished) {
+void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float min_specular) {
   own_.assign(scene.diffuse.size(), 0);
   for (uint32_t entry = 0; entry < set.entries.size(); ++entry) {
     const ShapeSet::Entry& e = set.entries[entry];
@@ -63,7 +63,7 @@ void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float poli
     for (size_t i = 0; i < own_.size(); ++i) {
       const float* m = scene.diffuse.at(Attribute::Mean, i);
       const Vec3d mean{m[0], m[1], m[2]};
-      if (!about.contains(mean) || !(sigmoid(*scene.diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
+      if (!about.contains(mean) || !(sigmoid(*scene.diffuse.at(Attribute::SpecularWeight, i)) > min_specular)) continue;
       if (length(nearest(e.shape, mean).position - mean) <= reach) own_[i] = entry + 1;
     }
   }
@@ -86,7 +86,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
   const Vec3d eye = frame.view->centre_in_world();
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
-      if (!s.asks[i].transmission) continue;
+      if (!s.requests[i].transmission) continue;
       const uint32_t pixel = s.pixels[i];
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
       if (frame.sheets.entry[pixel] == 0) continue;
@@ -122,7 +122,7 @@ void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
   const Vec3d eye = frame.view->centre_in_world();
-  out.teaches.assign(frame.pixel_count(), 0);
+  out.passes_gradient.assign(frame.pixel_count(), 0);
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const uint32_t pixel = s.pixels[i];
@@ -132,7 +132,7 @@ void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
       const auto hit = intersect(set.entries[entry].shape, {eye, cast<double>(g.ray(pixel).direction_per_z)});
       if (!hit) continue;
       pane_of_[Near][pixel] = first_pane_[entry] + hit->element;
-      out.shown[pixel] = out.teaches[pixel] = 1;
+      out.shown[pixel] = out.passes_gradient[pixel] = 1;
     }
   });
 }
@@ -154,13 +154,13 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
     if (pane_of[i] == pane) window.extend(turned(i), row_of(i));
   if (window.empty()) return;
   const uint32_t entry = entry_of(pane);
-  const bool teaches = side == Near && !is_glass(frame.options.shape.set->entries[entry].role);
-  if (teaches) {
+  const bool passes_gradient = side == Near && !is_glass(frame.options.shape.set->entries[entry].role);
+  if (passes_gradient) {
     if (mirrors_.size() == pictures_.size()) pictures_.push_back(std::make_unique<WindowPicture>(backend_));
     mirrors_.push_back({pane, window, {}, pictures_[mirrors_.size()].get()});
   }
-  std::vector<uint8_t>& wanted = teaches ? mirrors_.back().wanted : wanted_;
-  WindowPicture& drawn = teaches ? *mirrors_.back().picture : window_picture_;
+  std::vector<uint8_t>& wanted = passes_gradient ? mirrors_.back().wanted : wanted_;
+  WindowPicture& drawn = passes_gradient ? *mirrors_.back().picture : window_picture_;
   wanted.assign(window.pixel_count(), 0);
   for (size_t i = 0; i < pixels; ++i)
     if (pane_of[i] == pane) wanted[window.index(turned(i), row_of(i))] = 1;
@@ -180,7 +180,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
                                             .sh_degree = opened.sh_degree(),
                                             .near_z = kMirrorNear,
                                             .wanted = wanted,
-                                            .differentiable = teaches});
+                                            .differentiable = passes_gradient});
   const std::span<const float> color = picture.plane(Aov::Color), alpha = picture.plane(Aov::Alpha);
   std::vector<float>& to = side == Near ? out.near_color : out.far_color;
   std::vector<float>& open = side == Near ? out.near_open : out.far_open;
@@ -206,7 +206,7 @@ void PanePass::forward(const SplatScene& scene, Frame& frame) {
   if (!frame.sheets.empty() && !frame.behind.radiance.empty()) find_panes(frame, out);
   find_mirrors(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
-  find_own(scene, *frame.options.shape.set, frame.options.shape.polished);
+  find_own(scene, *frame.options.shape.set, frame.options.shape.min_specular);
   if (!opened) without_glass(scene, opened_degrees(scene, frame.options), frame.opened);
   for (uint32_t pane = 0; pane < panes_.size(); ++pane)
     for (const Side side : {Near, Far}) mirror(frame, pane, side, out);
@@ -217,7 +217,7 @@ void PanePass::forward(const SplatScene& scene, Frame& frame) {
   }
   // They also reflect before a reflection layer exists.
   ShadedPixels& s = frame.shaded;
-  for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;
+  for (size_t i = 0; i < s.pixels.size(); ++i) s.requests[i].reflection |= out.shown[s.pixels[i]] != 0;
 }
 
 // A flat mirror of known position acts as one more camera.
@@ -232,19 +232,19 @@ void PanePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad)
   statistics_.reset(opened.size());
   const int width = frame.view->intrinsics.width;
   const size_t pixels = frame.pixel_count();
-  std::vector<float> blame;
+  std::vector<float> error_image;
   for (const MirrorPicture& m : mirrors_) {
     const size_t size = m.wanted.size();
     const std::span<float> color = m.picture->gradients().plane(Aov::Color), alpha = m.picture->gradients().plane(Aov::Alpha);
-    blame.assign(frame.error_image.empty() ? 0 : size, 0.f);
+    error_image.assign(frame.error_image.empty() ? 0 : size, 0.f);
     for (size_t i = 0; i < pixels; ++i) {
       if (pane_of_[Near][i] != m.pane) continue;
       const size_t w = m.window.index(width - 1 - static_cast<int>(i) % width, static_cast<int>(i) / width);
       for (size_t c = 0; c < 3; ++c) color[c * size + w] = panes.grad_near[c * pixels + i];
       alpha[w] = -panes.grad_open[i];
-      if (!blame.empty()) blame[w] = panes.picture_weight[i] * frame.error_image[i];
+      if (!error_image.empty()) error_image[w] = panes.picture_weight[i] * frame.error_image[i];
     }
-    m.picture->backward(blame, grad_, statistics_);
+    m.picture->backward(error_image, grad_, statistics_);
   }
   give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
 }

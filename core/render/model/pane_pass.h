@@ -40,9 +40,9 @@ class PanePass final : public Pass {
   std::string_view name() const override { return "panes"; }
   PassAccess access() const override {
     return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::ShownShapes,
-                      FramePart::TransmissionAskers, FramePart::BehindGlass},
+                      FramePart::TransmissionRequests, FramePart::BehindGlass},
             .writes = {FramePart::Panes},
-            .adds = {FramePart::ReflectionAskers, FramePart::OpenedScene},
+            .adds = {FramePart::ReflectionRequests, FramePart::OpenedScene},
             .reverse_reads = {FramePart::ErrorImage},
             .reverse_adds = {FramePart::DiffuseStatistics, FramePart::TransmittanceStatistics}};
   }
@@ -56,7 +56,7 @@ class PanePass final : public Pass {
     bool clear;
     double at_pane;  // kAtPane_rel, scene units
   };
-  void find_own(const SplatScene& scene, const ShapeSet& set, float polished);
+  void find_own(const SplatScene& scene, const ShapeSet& set, float min_specular);
   void list_panes(const ShapeSet& set);
   uint32_t entry_of(uint32_t pane) const;
   void find_panes(const Frame& frame, PaneImages& out);

@@ -16,23 +16,23 @@
 namespace vitrine {
 
 enum class FramePart : unsigned char {
-  DiffuseChannels,      // Frame::diffuse
-  Linear,               // Frame::linear
-  ShownShapes,          // Frame::silhouette.shapes
-  Coats,                // Frame::coats
-  Silhouettes,          // the rest of Frame::silhouette
-  Sheets,               // Frame::sheets
-  Surfaces,             // Frame::shaded, except the two parts below
-  ReflectionAskers,     // ShadedPixels::asks
-  TransmissionAskers,   // likewise
-  OpenedScene,          // Frame::opened
-  BehindGlass,          // Frame::behind, except picture_weight
-  Panes,                // Frame::panes
-  ReflectedRadiance,    // Frame::reflection, except picture_weight
-  TransmittedRadiance,  // Frame::transmission, except picture_weight
-  PictureWeights,       // picture_weight of these three
-  LayerImages,          // Frame::layers
-  Srgb,                 // Frame::srgb
+  DiffuseChannels,       // Frame::diffuse
+  Linear,                // Frame::linear
+  ShownShapes,           // Frame::silhouette.shapes
+  Coats,                 // Frame::coats
+  Silhouettes,           // the rest of Frame::silhouette
+  Sheets,                // Frame::sheets
+  Surfaces,              // Frame::shaded, except the two parts below
+  ReflectionRequests,    // ShadedPixels::requests
+  TransmissionRequests,  // likewise
+  OpenedScene,           // Frame::opened
+  BehindGlass,           // Frame::behind, except picture_weight
+  Panes,                 // Frame::panes
+  ReflectedRadiance,     // Frame::reflection, except picture_weight
+  TransmittedRadiance,   // Frame::transmission, except picture_weight
+  PictureWeights,        // picture_weight of these three
+  LayerImages,           // Frame::layers
+  Srgb,                  // Frame::srgb
   // Backward only.
   ErrorImage,               // Frame::error_image
   DiffuseStatistics,        // Frame::statistics

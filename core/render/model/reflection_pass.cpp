@@ -58,7 +58,7 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
     auto& out = chunks_[chunk];
     out.clear();
     for (size_t g = first; g < last; ++g) {
-      if (!s.asked(g).reflection || mirrored_already(frame, g)) continue;
+      if (!s.requested(g).reflection || mirrored_already(frame, g)) continue;
       const SurfacePoint<float>& p = s.points[g];
       const Vec3f view = s.rays[g].view;
       const auto group = static_cast<uint32_t>(g);

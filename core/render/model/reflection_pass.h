@@ -15,7 +15,7 @@ class ReflectionPass final : public Pass {
   explicit ReflectionPass(TracerBackend backend) : tracer_(make_tracer(backend)) {}
   std::string_view name() const override { return "reflection"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::Panes},
+    return {.reads = {FramePart::Surfaces, FramePart::ReflectionRequests, FramePart::Panes},
             .writes = {FramePart::ReflectedRadiance},
             .reverse_reads = {FramePart::PictureWeights, FramePart::ErrorImage},
             .reverse_adds = {FramePart::ReflectionStatistics}};

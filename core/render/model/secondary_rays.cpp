@@ -10,7 +10,7 @@ constexpr size_t kRayGrain = 512;  // groups per parallel chunk
 
 void ShadedPixels::clear() {
   for (auto* v : {&pixels, &begin, &chosen}) v->clear();
-  asks.clear();
+  requests.clear();
   rays.clear();
   for (auto* v : {&points, &grad_points}) v->clear();
 }
@@ -62,16 +62,17 @@ void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const Sha
 void SecondaryRays::trace_back(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded,
                                std::span<const float> error_image, SplatLayer& grad, RayGradients* ray_gradients) {
   gradients.color.resize(rays.size());
-  blame_.resize(error_image.empty() ? 0 : rays.size());
+  ray_error_.resize(error_image.empty() ? 0 : rays.size());
   parallel_chunks(rays.size(), kRayGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const SecondaryRay& ray = rays[i];
       gradients.color[i] = (ray.share * ray.lobe.weight) * grad_radiance[ray.group];
-      if (!error_image.empty()) blame_[i] = weight[i] * picture_weight[ray.group] * error_image[shaded.chosen_pixel(ray.group)];
+      if (!error_image.empty())
+        ray_error_[i] = weight[i] * picture_weight[ray.group] * error_image[shaded.chosen_pixel(ray.group)];
     }
   });
   took_part = true;
-  tracer.backward(batch(), desc, hits, {.gradients = &gradients, .error = blame_}, grad, ray_gradients, &statistics);
+  tracer.backward(batch(), desc, hits, {.gradients = &gradients, .error = ray_error_}, grad, ray_gradients, &statistics);
 }
 
 }  // namespace vitrine

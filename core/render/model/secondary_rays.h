@@ -18,15 +18,15 @@ namespace vitrine {
 struct ShadedPixels {
   // Per pixel, sorted by group.
   std::vector<uint32_t> pixels;
-  std::vector<LayersPresent> asks;  // layers requested by the pixel
+  std::vector<LayersPresent> requests;  // layers requested by the pixel
   // Per group.
-  std::vector<uint32_t> begin;                           // [groups + 1] into pixels and asks
-  std::vector<uint32_t> chosen;                          // index into pixels and asks of the pixel that sends the rays
+  std::vector<uint32_t> begin;                           // [groups + 1] into pixels and requests
+  std::vector<uint32_t> chosen;                          // index into pixels and requests of the pixel that sends the rays
   std::vector<PixelRay<float>> rays;                     // of the chosen pixel
   std::vector<SurfacePoint<float>> points, grad_points;  // of the chosen pixel
   size_t groups() const { return chosen.size(); }
   uint32_t chosen_pixel(size_t group) const { return pixels[chosen[group]]; }
-  LayersPresent asked(size_t group) const { return asks[chosen[group]]; }
+  LayersPresent requested(size_t group) const { return requests[chosen[group]]; }
   // Number of pixels of the group: the inverse of the probability of the chosen pixel.
   float weight(size_t group) const { return static_cast<float>(begin[group + 1] - begin[group]); }
   void clear();
@@ -70,7 +70,7 @@ struct SecondaryRays {
   RayBatch batch() const { return {.origins = origins, .directions = directions, .near = near, .far = {}}; }
 
  private:
-  std::vector<float> blame_;  // [rays]
+  std::vector<float> ray_error_;  // [rays]
 };
 
 }  // namespace vitrine

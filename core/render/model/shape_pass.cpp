@@ -67,7 +67,7 @@ void ShapePass::show_mirrors(Frame& frame) {
     for (size_t i = band * kBandRows * width; i < end; ++i) {
       const auto pixel = static_cast<uint32_t>(i);
       const float alpha = g.alpha[pixel];
-      if (!(alpha > options_.min_alpha) || !(g.specular[pixel] > options_.polished * alpha)) continue;
+      if (!(alpha > options_.min_alpha) || !(g.specular[pixel] > options_.min_specular * alpha)) continue;
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
       const auto hit = shown_mirror(set, {eye, per_z}, double(g.zdepth[pixel]) / double(alpha));
       if (!hit) continue;

@@ -2,7 +2,7 @@
 // reflection by twice its angle, and textureless surfels are off by several degrees; a shape fitted to silhouettes is accurate
 // to a fraction of a pixel. Runs after the diffuse layer is rendered and before reflections.
 //
-// Mirror: applies to pixels with k_s above ShapeOptions::polished. The pixel shows the nearest hit of all shapes that is
+// Mirror: applies to pixels with k_s above ShapeOptions::min_specular. The pixel shows the nearest hit of all shapes that is
 // consistent with its depth: the depth is not in front of the shape by more than its tolerance (that is another object) nor far
 // behind it (gaps of the near side show the far side). No gradient moves or rotates the surfels there; the gradient of the
 // reflected rays goes to the parameters of the shape.

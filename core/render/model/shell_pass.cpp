@@ -93,7 +93,7 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
   ShadedPixels& s = frame.shaded;
   const auto shows_shell = [&](size_t i) {
     const uint32_t entry = frame.sheets.entry[s.pixels[i]];
-    return s.asks[i].transmission && entry != 0 && !shell_[entry - 1].empty();
+    return s.requests[i].transmission && entry != 0 && !shell_[entry - 1].empty();
   };
   PaneImages& out = frame.panes;
   if (out.empty()) out.start(frame.pixel_count());
@@ -101,7 +101,7 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
     for (size_t i = first; i < last; ++i) {
       if (!shows_shell(i)) continue;
       out.shown[s.pixels[i]] = 1;
-      s.asks[i].reflection = true;
+      s.requests[i].reflection = true;
       const Wall wall = far_wall(frame, s.pixels[i]);
       if (!wall.open) continue;
       out.far_share[s.pixels[i]] = 1;

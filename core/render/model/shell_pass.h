@@ -21,9 +21,9 @@ class ShellPass final : public Pass {
   explicit ShellPass(TracerBackend backend) : tracer_(make_tracer(backend)) {}
   std::string_view name() const override { return "shells"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers,
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionRequests,
                       FramePart::OpenedScene, FramePart::BehindGlass},
-            .adds = {FramePart::Panes, FramePart::ReflectionAskers}};
+            .adds = {FramePart::Panes, FramePart::ReflectionRequests}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

@@ -57,11 +57,11 @@ Vec3d surfel_normal(const SplatLayer& layer, size_t i) {
   return rotation_matrix(normalized(Quatd{q[0], q[1], q[2], q[3]})).column(2);
 }
 
-bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& shapes, float polished) {
+bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& shapes, float min_specular) {
   const float* m = diffuse.at(Attribute::Mean, i);
   const Vec3d mean{m[0], m[1], m[2]};
   for (const Located& s : shapes) {
-    if (!s.reach.contains(mean) || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
+    if (!s.reach.contains(mean) || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > min_specular)) continue;
     const ShapePoint place = nearest(s.entry->shape, mean);
     if (length(place.position - mean) > s.entry->tolerance) continue;
     if (std::abs(dot(surfel_normal(diffuse, i), place.normal)) > kLikeShape) return true;
@@ -85,7 +85,7 @@ void SilhouettePass::draw_rest(const SplatScene& scene, Frame& frame) {
   const std::vector<Located> shapes = located(*options_.set);
   const bool sheets = draws_sheets(frame.options);  // their surfels are not rendered
   rest_.choose(scene.diffuse, window_.view(*frame.view), [&](size_t i) {
-    return !(sheets && is_glass(scene.diffuse, i)) && !shows(scene.diffuse, i, shapes, options_.polished);
+    return !(sheets && is_glass(scene.diffuse, i)) && !shows(scene.diffuse, i, shapes, options_.min_specular);
   });
   wanted_.assign(window_.pixel_count(), 0);
   for (const SilhouettePixel& p : frame.silhouette.pixels) wanted_[in_window(p.pixel, width)] = 1;
@@ -189,43 +189,44 @@ void SilhouettePass::backward(const SplatScene&, Frame& frame, SplatScene& grad)
   if (out.pixels.empty()) return;
   const size_t pixels = frame.pixel_count(), window = wanted_.size();
   const int width = frame.view->intrinsics.width;
-  RasterImages& asked = frame.grad_diffuse;
-  blame_.assign(frame.error_image.empty() ? 0 : window, 0.f);
+  RasterImages& grad_channels = frame.grad_diffuse;
+  error_image_.assign(frame.error_image.empty() ? 0 : window, 0.f);
   // In reverse order, since donors of thin parts are silhouette pixels themselves.
   for (size_t i = out.pixels.size(); i-- > 0;) {
     const SilhouettePixel& p = out.pixels[i];
     const size_t w = in_window(p.pixel, width);
     const bool own = p.covered > 0 && donors_[i] == p.pixel;  // it keeps its own materials
     for (size_t c = 0; c < 3; ++c) {
-      asked.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
+      grad_channels.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
       frame.grad_linear[c * pixels + p.pixel] = 0;
       rest_.gradients().plane(Aov::Color)[c * window + w] += out.grad_rest[3 * i + c];
     }
     if (p.covered == 0) {
       for (const Aov a : kShownByRest)
         for (size_t c = 0; c < width_of(a); ++c)
-          rest_.gradients().plane(a)[c * window + w] += asked.plane(a)[c * pixels + p.pixel];
+          rest_.gradients().plane(a)[c * window + w] += grad_channels.plane(a)[c * pixels + p.pixel];
     } else {
       for (const Aov a : kMaterials)
         for (size_t c = 0; c < width_of(a) && !own; ++c)
-          asked.plane(a)[c * pixels + donors_[i]] += asked.plane(a)[c * pixels + p.pixel];
-      float alpha = asked.plane(Aov::Alpha)[p.pixel] + p.z * asked.plane(Aov::ZDepth)[p.pixel];
-      for (size_t c = 0; c < 3; ++c) alpha += p.normal[c] * asked.plane(Aov::Normal)[c * pixels + p.pixel];
+          grad_channels.plane(a)[c * pixels + donors_[i]] += grad_channels.plane(a)[c * pixels + p.pixel];
+      float alpha = grad_channels.plane(Aov::Alpha)[p.pixel] + p.z * grad_channels.plane(Aov::ZDepth)[p.pixel];
+      for (size_t c = 0; c < 3; ++c) alpha += p.normal[c] * grad_channels.plane(Aov::Normal)[c * pixels + p.pixel];
       if (own) {
         for (const Aov a : {Aov::Normal, Aov::ZDepth, Aov::MedianZ})
-          for (size_t c = 0; c < width_of(a); ++c) asked.plane(a)[c * pixels + p.pixel] = 0;
-        asked.plane(Aov::Alpha)[p.pixel] = alpha;
+          for (size_t c = 0; c < width_of(a); ++c) grad_channels.plane(a)[c * pixels + p.pixel] = 0;
+        grad_channels.plane(Aov::Alpha)[p.pixel] = alpha;
         continue;
       }
-      asked.plane(Aov::Alpha)[donors_[i]] += alpha;
+      grad_channels.plane(Aov::Alpha)[donors_[i]] += alpha;
     }
     for (const AovRow& r : kAovs)
-      for (size_t c = 0; c < width_of(r.id) && !asked.plane(r.id).empty(); ++c) asked.plane(r.id)[c * pixels + p.pixel] = 0;
-    if (blame_.empty()) continue;
-    blame_[w] = (1 - p.covered) * frame.error_image[p.pixel];
+      for (size_t c = 0; c < width_of(r.id) && !grad_channels.plane(r.id).empty(); ++c)
+        grad_channels.plane(r.id)[c * pixels + p.pixel] = 0;
+    if (error_image_.empty()) continue;
+    error_image_[w] = (1 - p.covered) * frame.error_image[p.pixel];
     frame.error_image[p.pixel] = 0;  // no surfel of the shape is visible there
   }
-  rest_.backward(blame_, grad.diffuse, frame.statistics);
+  rest_.backward(error_image_, grad.diffuse, frame.statistics);
 }
 
 void SilhouetteBlendPass::forward(const SplatScene&, Frame& frame) {

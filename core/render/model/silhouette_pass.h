@@ -50,7 +50,7 @@ class SilhouettePass final : public Pass {
   PictureWindow window_;          // bounds of the silhouettes
   WindowPicture rest_;            // scene behind the shapes, in the window
   std::vector<uint8_t> wanted_;
-  std::vector<float> blame_;
+  std::vector<float> error_image_;
 };
 
 class SilhouetteBlendPass final : public Pass {

@@ -88,7 +88,7 @@ class WindowSilhouette {
   std::optional<Met> met(double x, double y) const { return set_.first_hit({eye_, ray(x, y)}, ShapeRole::Mirror); }
   std::optional<End> end_along(double x, double y, const Vec2d& out) const;
   bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }
-  bool beside_edge(int x, int y) const;
+  bool next_to_edge(int x, int y) const;
   std::optional<SilhouettePixel> crossed(int x, int y) const;
 
   const ShapeSet& set_;
@@ -99,7 +99,7 @@ class WindowSilhouette {
   std::vector<std::optional<Met>> met_;  // [window] at the pixel centres
 };
 
-bool WindowSilhouette::beside_edge(int x, int y) const {
+bool WindowSilhouette::next_to_edge(int x, int y) const {
   const bool own = hit(x, y);
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, window_.height() - 1); ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, window_.width() - 1); ++u)
@@ -175,12 +175,12 @@ std::vector<SilhouettePixel> WindowSilhouette::pixels() {
   parallel_for(rows.size(), 4, [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < width; ++x)
-      if (beside_edge(x, y))
+      if (next_to_edge(x, y))
         if (auto p = crossed(x, y)) rows[row].emplace_back(at(x, y), *p);
   });
   // The band: each pixel takes the nearest crossed pixel.
   std::vector<float> nearest(count, 1e9f);
-  std::vector<uint32_t> own(count, UINT32_MAX), beside(count, UINT32_MAX);
+  std::vector<uint32_t> own(count, UINT32_MAX), nearest_edge(count, UINT32_MAX);
   std::vector<SilhouettePixel> edge;
   for (const auto& row : rows)
     for (const auto& [where, p] : row) {
@@ -191,15 +191,15 @@ std::vector<SilhouettePixel> WindowSilhouette::pixels() {
         for (int u = std::max(x - kSilhouetteBand, 0); u <= std::min(x + kSilhouetteBand, width - 1); ++u) {
           const auto away = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
           if (away >= nearest[at(u, v)] || away > float(kSilhouetteBand * kSilhouetteBand)) continue;
-          nearest[at(u, v)] = away, beside[at(u, v)] = own[where];
+          nearest[at(u, v)] = away, nearest_edge[at(u, v)] = own[where];
         }
     }
   std::vector<SilhouettePixel> out;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const size_t i = at(x, y);
-      if (beside[i] == UINT32_MAX || (met_[i] && !silhouetted_[met_[i]->entry])) continue;
-      SilhouettePixel p = edge[beside[i]];
+      if (nearest_edge[i] == UINT32_MAX || (met_[i] && !silhouetted_[met_[i]->entry])) continue;
+      SilhouettePixel p = edge[nearest_edge[i]];
       if (own[i] == UINT32_MAX) p = {.entry = p.entry, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
       p.pixel = static_cast<uint32_t>((window_.top + y) * view_.intrinsics.width + window_.left + x);
       if (!p.crossed && met_[i]) {

@@ -32,8 +32,8 @@ void SurfacePass::select(const SplatScene& scene, Frame& frame) {
   const auto width = static_cast<uint32_t>(g.width), height = static_cast<uint32_t>(g.height);
   bands_.resize((height + kTile - 1) / kTile);
   parallel_for(bands_.size(), 1, [&](size_t band) {
-    auto& askers = bands_[band];
-    askers.clear();
+    auto& requests = bands_[band];
+    requests.clear();
     const uint32_t top = static_cast<uint32_t>(band) * kTile;
     for (uint32_t left = 0; left < width; left += kTile)
       for (uint32_t i = 0; i < kTile * kTile; ++i) {
@@ -42,17 +42,17 @@ void SurfacePass::select(const SplatScene& scene, Frame& frame) {
         const uint32_t pixel = y * width + x;
         if (!(g.alpha[pixel] > options.min_alpha)) continue;
         const bool glass = inside(frame.transparent_mask, pixel);
-        const LayersPresent asks{.reflection = reflects && (glass || g.specular[pixel] > float(kMinSpecular) ||
-                                                            inside(frame.specular_mask, pixel) || frame.coats.shows(pixel)),
-                                 .transmission = transmits && (glass || g.transmission[pixel] > float(kMinSpecular))};
-        if ((asks.reflection || asks.transmission) && g.has_surface(pixel)) askers.push_back({pixel, asks});
+        const LayersPresent layers{.reflection = reflects && (glass || g.specular[pixel] > float(kMinSpecular) ||
+                                                              inside(frame.specular_mask, pixel) || frame.coats.shows(pixel)),
+                                   .transmission = transmits && (glass || g.transmission[pixel] > float(kMinSpecular))};
+        if ((layers.reflection || layers.transmission) && g.has_surface(pixel)) requests.push_back({pixel, layers});
       }
   });
   ShadedPixels& s = frame.shaded;
   for (const auto& band : bands_)
-    for (const Asker& a : band) {
+    for (const RayRequest& a : band) {
       s.pixels.push_back(a.pixel);
-      s.asks.push_back(a.asks);
+      s.requests.push_back(a.layers);
     }
 }
 
@@ -62,11 +62,11 @@ void SurfacePass::forward(const SplatScene& scene, Frame& frame) {
   if (scene.reflection.size() + scene.transmittance.size() == 0 && frame.sheets.empty()) return;
   const SurfaceOptions& options = frame.options.surface;
   select(scene, frame);
-  const size_t asking = s.pixels.size();
-  const size_t groups = options.ray_budget > 0 ? std::min(asking, static_cast<size_t>(options.ray_budget)) : asking;
+  const size_t requesting = s.pixels.size();
+  const size_t groups = options.ray_budget > 0 ? std::min(requesting, static_cast<size_t>(options.ray_budget)) : requesting;
   if (groups == 0) return;
   s.begin.resize(groups + 1);
-  for (size_t i = 0; i <= groups; ++i) s.begin[i] = static_cast<uint32_t>(i * asking / groups);
+  for (size_t i = 0; i <= groups; ++i) s.begin[i] = static_cast<uint32_t>(i * requesting / groups);
   s.chosen.resize(groups);
   s.rays.resize(groups);
   s.points.resize(groups);

@@ -9,7 +9,6 @@
 // sum over pixels equals the gradient with all rays traced.
 //   Pixels of a coat request reflection regardless of k_s. Their rays neither move nor rotate the surfels of the paint, and f0
 // remains that of the clear coat.
-// stays that of the clear layer.
 #pragma once
 
 #include "core/render/model/pass.h"
@@ -21,7 +20,7 @@ class SurfacePass final : public Pass {
   std::string_view name() const override { return "surface"; }
   PassAccess access() const override {
     return {.reads = {FramePart::DiffuseChannels, FramePart::Sheets, FramePart::Coats},
-            .writes = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers}};
+            .writes = {FramePart::Surfaces, FramePart::ReflectionRequests, FramePart::TransmissionRequests}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;
@@ -30,11 +29,11 @@ class SurfacePass final : public Pass {
  private:
   void select(const SplatScene& scene, Frame& frame);
 
-  struct Asker {
+  struct RayRequest {
     uint32_t pixel;
-    LayersPresent asks;
+    LayersPresent layers;
   };
-  std::vector<std::vector<Asker>> bands_;  // per row of tiles
+  std::vector<std::vector<RayRequest>> bands_;  // per row of tiles
   std::vector<float> lengths_;
 };
 

@@ -30,7 +30,7 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   const bool sheets = !frame.sheets.empty();
   if (options.glass != Glass::Thin || (scene.transmittance.size() == 0 && !sheets)) return;
   wanted_.assign(frame.pixel_count(), 0);
-  for (size_t i = 0; i < s.pixels.size(); ++i) wanted_[s.pixels[i]] = s.asks[i].transmission;
+  for (size_t i = 0; i < s.pixels.size(); ++i) wanted_[s.pixels[i]] = s.requests[i].transmission;
   if (std::ranges::find(wanted_, 1) == wanted_.end()) return;
   drawn_ = sheets;
   if (drawn_)
@@ -72,14 +72,14 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
   };
   if (drawn_ && !(options.thick && bent_.any())) return straight();
   const SplatLayer& merged = frame.opened.surfels;
-  blame_.resize(frame.error_image.size());
-  for (size_t i = 0; i < blame_.size(); ++i) blame_[i] = behind.picture_weight[i] * frame.error_image[i];
+  error_image_.resize(frame.error_image.size());
+  for (size_t i = 0; i < error_image_.size(); ++i) error_image_[i] = behind.picture_weight[i] * frame.error_image[i];
   if (grad_.kind() != merged.kind() || grad_.size() != merged.size() || grad_.sh_degree() != merged.sh_degree())
     grad_ = merged.zeros_like();
   else
     grad_.fill(0.f);
   statistics_.reset(merged.size());
-  if (options.thick) bent_.backward(frame, blame_, grad_, statistics_);
+  if (options.thick) bent_.backward(frame, error_image_, grad_, statistics_);
   if (drawn_) {
     straight();
     give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
@@ -89,7 +89,7 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
   gradients_.height = picture_.height;
   std::vector<float>& of_color = gradients_.planes[static_cast<size_t>(Aov::Color)];
   std::swap(of_color, behind.grad_radiance);
-  renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_, &statistics_);
+  renderer_->backward({.gradients = &gradients_, .error_image = error_image_}, grad_, &statistics_);
   std::swap(of_color, behind.grad_radiance);
   give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
 }

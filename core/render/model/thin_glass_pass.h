@@ -26,7 +26,7 @@ class ThinGlassPass final : public Pass {
   explicit ThinGlassPass(Backend backend) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "thin_glass"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionRequests},
             .writes = {FramePart::BehindGlass},
             .adds = {FramePart::OpenedScene},
             .reverse_reads = {FramePart::PictureWeights, FramePart::ErrorImage},
@@ -45,7 +45,7 @@ class ThinGlassPass final : public Pass {
   SplatLayer grad_;              // of the scene without glass
   std::vector<uint8_t> wanted_;  // [h,w] pixels that request transmission
   RasterImages picture_, gradients_;
-  std::vector<float> blame_;
+  std::vector<float> error_image_;
   SurfelStatistics statistics_;
   BentRays bent_;
 };

@@ -25,7 +25,7 @@ void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
   tracer_->build(scene.transmittance);
   rays_.clear();
   for (size_t g = 0; g < s.groups(); ++g) {
-    if (!s.asked(g).transmission) continue;
+    if (!s.requested(g).transmission) continue;
     SecondaryRay ray;
     ray.group = static_cast<uint32_t>(g);
     ray.lobe.direction = -s.rays[g].view;

@@ -17,7 +17,7 @@ class TransmissionPass final : public Pass {
   explicit TransmissionPass(TracerBackend backend) : tracer_(make_tracer(backend)) {}
   std::string_view name() const override { return "transmission"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::Surfaces, FramePart::TransmissionAskers},
+    return {.reads = {FramePart::Surfaces, FramePart::TransmissionRequests},
             .writes = {FramePart::TransmittedRadiance},
             .reverse_reads = {FramePart::PictureWeights, FramePart::ErrorImage},
             .reverse_adds = {FramePart::TransmittanceStatistics}};

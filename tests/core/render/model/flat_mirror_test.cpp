@@ -78,7 +78,7 @@ TEST(FlatMirror, ShowsTheSceneWithoutSilhouettes) {
   LayeredModel(s.options()).forward(s.scene, view, close);
   EXPECT_TRUE(close.silhouette.pixels.empty());
   ASSERT_FALSE(close.panes.empty());
-  EXPECT_GT(std::ranges::count(close.panes.teaches, 1), int(with.pixel_count()) / 2);
+  EXPECT_GT(std::ranges::count(close.panes.passes_gradient, 1), int(with.pixel_count()) / 2);
 }
 
 // Training moves the surfels of a mirror a little before it: they do not hide the scene from the camera behind it.
@@ -107,7 +107,7 @@ TEST(FlatMirror, GradientsMatchFiniteDifferences) {
     double sum = 0;
     const size_t pixels = frame.pixel_count();
     for (size_t i = 0; i < pixels; ++i)  // of the mirror alone: what else shows the surfels learns as ever
-      for (size_t c = 0; c < 3 && !frame.panes.empty() && frame.panes.teaches[i]; ++c)
+      for (size_t c = 0; c < 3 && !frame.panes.empty() && frame.panes.passes_gradient[i]; ++c)
         sum += 0.5 * std::pow(double(frame.srgb[c * pixels + i]) - 0.3, 2);
     return sum;
   };
@@ -116,7 +116,8 @@ TEST(FlatMirror, GradientsMatchFiniteDifferences) {
   const size_t pixels = frame.pixel_count();
   frame.grad_srgb.assign(frame.srgb.size(), 0.f);
   for (size_t i = 0; i < pixels; ++i)
-    for (size_t c = 0; c < 3 && frame.panes.teaches[i]; ++c) frame.grad_srgb[c * pixels + i] = frame.srgb[c * pixels + i] - 0.3f;
+    for (size_t c = 0; c < 3 && frame.panes.passes_gradient[i]; ++c)
+      frame.grad_srgb[c * pixels + i] = frame.srgb[c * pixels + i] - 0.3f;
   SplatScene grad = s.scene.zeros_like();
   model.backward(s.scene, frame, grad);
   double moved = 0;

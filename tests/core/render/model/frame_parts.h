@@ -93,11 +93,11 @@ inline std::string values_of(const Frame& frame, FramePart part) {
       for (const auto* values : {&shaded.pixels, &shaded.begin, &shaded.chosen}) b.add(*values);
       b.add(shaded.rays), b.add(shaded.points);
       break;
-    case FramePart::ReflectionAskers:
-      for (const LayersPresent& asks : shaded.asks) b.number(asks.reflection);
+    case FramePart::ReflectionRequests:
+      for (const LayersPresent& request : shaded.requests) b.number(request.reflection);
       break;
-    case FramePart::TransmissionAskers:
-      for (const LayersPresent& asks : shaded.asks) b.number(asks.transmission);
+    case FramePart::TransmissionRequests:
+      for (const LayersPresent& request : shaded.requests) b.number(request.transmission);
       break;
     case FramePart::OpenedScene:
       b.add(opened.surfels), b.add(opened.opaque);
@@ -107,7 +107,7 @@ inline std::string values_of(const Frame& frame, FramePart part) {
       b.add(behind.path);
       break;
     case FramePart::Panes:
-      b.add(panes.shown), b.add(panes.teaches);
+      b.add(panes.shown), b.add(panes.passes_gradient);
       for (const auto* values :
            {&panes.near_color, &panes.far_color, &panes.near_open, &panes.far_open, &panes.far_share, &panes.far_cosine})
         b.add(*values);
@@ -186,7 +186,7 @@ inline std::string gradients_of(const Frame& frame, FramePart part) {
       b.add(frame.transmission.statistics), b.number(frame.transmission.took_part);
       break;
     default:
-      break;  // teaches nothing
+      break;  // no gradient
   }
   return b.take();
 }
@@ -232,15 +232,15 @@ inline void forget(FramePart part, Frame& frame) {
       break;
     case FramePart::Surfaces: {
       ShadedPixels empty;
-      empty.asks = std::move(frame.shaded.asks);
+      empty.requests = std::move(frame.shaded.requests);
       frame.shaded = std::move(empty);
       break;
     }
-    case FramePart::ReflectionAskers:
-      for (LayersPresent& asks : frame.shaded.asks) asks.reflection = false;
+    case FramePart::ReflectionRequests:
+      for (LayersPresent& request : frame.shaded.requests) request.reflection = false;
       break;
-    case FramePart::TransmissionAskers:
-      for (LayersPresent& asks : frame.shaded.asks) asks.transmission = false;
+    case FramePart::TransmissionRequests:
+      for (LayersPresent& request : frame.shaded.requests) request.transmission = false;
       break;
     case FramePart::OpenedScene:
       frame.opened = {};

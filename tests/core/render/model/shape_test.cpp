@@ -68,7 +68,7 @@ TEST(ShapePass, PolishedPixelsHaveThePlaceAndTheNormalOfTheSolid) {
     return std::ranges::equal(with.diffuse.plane(Aov::Normal), without.diffuse.plane(Aov::Normal)) && with.srgb == without.srgb;
   };
   EXPECT_FALSE(own());
-  model.options().shape.polished = 0.95f;
+  model.options().shape.min_specular = 0.95f;
   EXPECT_TRUE(own());
   model.options().shape = r.options.shape;
   for (const double away : {-1.0, 3.0}) {
