@@ -70,7 +70,7 @@ int dispatch(const Words& words) {
 int complain(const Error& e) {
   std::fflush(stdout);
   clear_status_line();
-  fmt::print(stderr, "{}\n", e.told());
+  fmt::print(stderr, "{}\n", e.with_prefix());
   return exit_code(e.kind());
 }
 

@@ -221,7 +221,7 @@ void Report::stage_failed(const Error& error) {
   stages_.back().state = "failed";
   clear_status_line();
   line(fmt::format("{} {}  {}", prefix(), coloured("FAILED", "31"), error.detail().code));
-  if (log_.is_open()) log_ << error.told() << '\n' << std::flush;
+  if (log_.is_open()) log_ << error.with_prefix() << '\n' << std::flush;
 }
 
 void Report::untold_error(const Error& error) {

@@ -100,7 +100,7 @@ void Reporter::error(const Error& e) {
                    {"where", d.where},
                    {"why", d.why},
                    {"hint", d.hint}});
-  if (!json_console) log_error("{}", e.told());
+  if (!json_console) log_error("{}", e.with_prefix());
 }
 
 }  // namespace vitrine

@@ -196,7 +196,7 @@ class ObjectsRun {
     if (!masks_) return;
     const auto [first, second] = unused_ids();
     const UnlocatedObjects unlocated{first, second};
-    const std::vector<std::string> things = marked_things(*masks_);
+    const std::vector<std::string> things = marked_objects(*masks_);
     std::vector<PhotoCounts> photos(views_.views.size());
     parallel_for(views_.views.size(), 1, [&](size_t v) {
       if (interrupt_signal() != 0) return;
@@ -206,7 +206,7 @@ class ObjectsRun {
       make_folders(path.parent_path());
       write_png16(path, labels);
       if (!is_heldout(v, config_.holdout_every))
-        photos[v] = counted(labels, marked_things_path(*masks_, views_.views[v]), things);
+        photos[v] = counted(labels, marked_objects_path(*masks_, views_.views[v]), things);
     });
     throw_if_interrupted();
     PhotoCounts all;

@@ -87,8 +87,8 @@ StepPlan Trainer::plan() {
                 .shape_rates = clock.shape_rates(),
                 // Masked glass sends rays only if the transmittance layer exists. Thin glass of known shape always sends rays.
                 .glass_sends_rays = begun(LayerKind::Transmittance) && !sheets_,
-                .known_gloss = known_gloss_.empty() ? nullptr : &known_gloss_,
-                .gloss_factor = static_cast<float>(c.phases.reflection.known_factor)};
+                .known_mirrors = known_gloss_.empty() ? nullptr : &known_gloss_,
+                .mirror_factor = static_cast<float>(c.phases.reflection.known_factor)};
   for (LayerKind kind : kAllLayers) plan.rates[static_cast<size_t>(kind)] = clock.rates(kind, c.rates, kSceneRadius);
   if (setup_.layers.reflection && !begun(LayerKind::Reflection))
     plan.specular_weight = static_cast<float>(c.phases.diffuse.specular_weight);

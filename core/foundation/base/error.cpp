@@ -41,7 +41,7 @@ void Error::compose() {
   if (!detail_.hint.empty()) text_ += "\n  try    " + detail_.hint;
 }
 
-std::string Error::told() const { return detail_.code == "BAD_CONFIG" ? text_ : "error: " + text_; }
+std::string Error::with_prefix() const { return detail_.code == "BAD_CONFIG" ? text_ : "error: " + text_; }
 
 void check_failed(const char* file, int line, const char* condition, const std::string& message) {
   throw Error(ErrorKind::Internal, "internal error: " + message,

@@ -52,7 +52,7 @@ class Error : public std::exception {
   const char* what() const noexcept override { return text_.c_str(); }
   // Message with the prefix "error: ", except if every error in it already has a place and a prefix ("marks.yaml:3:1: error:
   // ...", "--set: error: ..."; ConfigErrors).
-  std::string told() const;
+  std::string with_prefix() const;
 
  private:
   void compose();

@@ -207,7 +207,7 @@ void throw_if_interrupted() {
   }
   if (signal == SIGINT)
     throw Error(ErrorKind::Interrupted, "interrupted", {.hint = "run the same command again to continue", .code = "INTERRUPTED"});
-  throw Error(ErrorKind::Preempted, "asked to stop by a signal",
+  throw Error(ErrorKind::Preempted, "stopped by a signal",
               {.hint = "run the same command again to continue", .code = "PREEMPTED"});
 }
 

@@ -108,7 +108,7 @@ class Describer {
                               [](void* p, size_t i) { *static_cast<Enum*>(p) = static_cast<Enum>(i); }};
     return add(name, target, doc, std::move(words));
   }
-  // Words from an array beside the enum, where files and messages use them too.
+  // Words from an array next to the enum, where files and messages use them too.
   template <class Enum, size_t N>
   OptionRef choice(std::string_view name, Enum& v, const std::array<std::string_view, N>& words, std::string_view doc) {
     return choice(name, v, std::vector<std::string>(words.begin(), words.end()), doc);

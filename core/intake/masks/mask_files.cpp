@@ -132,14 +132,14 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
   for (const Index& index : classes_)
     for (const MaskFile& file : index.listed) named.insert(file.path.lexically_normal());
 
-  const std::map<std::string, std::string> beside = masks_beside_photos(path_);
+  const std::map<std::string, std::string> photo_of = masks_beside_photos(path_);
   MaskClassFolders classes(path_, flat, photos);
   for (const fs::path& name : listed.files) {
     const fs::path file = path_ / name;
     if (!is_picture(file) || lowered(name.filename().string()) == "contact_sheet.png") continue;
-    const auto photo = beside.find(name.generic_string());
+    const auto photo = photo_of.find(name.generic_string());
     // In a folder of photos, skip the photos and their other companions.
-    if (!beside.empty() && photo == beside.end() && !in_folder_of_masks(name)) continue;
+    if (!photo_of.empty() && photo == photo_of.end() && !in_folder_of_masks(name)) continue;
     const std::string top = lowered(name.begin()->string());
     if (name.has_parent_path() && (top == "colmap" || top == "confidence"))
       continue;  // written by this program next to the classes
@@ -151,7 +151,7 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
     }
     const auto place = classes.place(name);
     if (!place) continue;
-    if (photo != beside.end())
+    if (photo != photo_of.end())
       add_beside(place->kind, file, photo->second);
     else
       add(place->kind, file, place->name);

@@ -25,7 +25,7 @@ struct PhotoMasksDesc {
   MaskPolarity polarity = MaskPolarity::Auto;
   std::string polarity_option;  // what the user sets: "masks.object.polarity"
   std::string off_setting;      // and how to do without: "masks.object.source=none"
-  // May throw (throw_wrong_mask_size) or say that this mask takes no part. Called from several threads.
+  // May throw (throw_wrong_mask_size) or return false: the mask takes no part. Called from several threads.
   std::function<bool(size_t photo, const MaskFile&, const ImageF&)> usable = {};
 };
 

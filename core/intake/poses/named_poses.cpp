@@ -109,10 +109,10 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
   if (best->photos < 2 && first_failure) std::rethrow_exception(first_failure);  // the unreadable file may be the intended one
   Reading out = std::move(*best);
   readings.erase(best);
-  std::string others, beside;
+  std::string others, other_formats;
   for (const Reading& r : readings) {
     // A transforms.json next to a COLMAP model is usually the same poses in another format.
-    std::string& list = r.file.kind == out.file.kind ? others : beside;
+    std::string& list = r.file.kind == out.file.kind ? others : other_formats;
     list += fmt::format("{}{} ({} poses, of {} of these photos)", list.empty() ? "" : ", ", r.file.path.string(), r.names.size(),
                         r.photos);
   }
@@ -120,7 +120,7 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
       fmt::format("{} is read ({} poses, of {} of these photos)", out.file.path.string(), out.names.size(), out.photos);
   if (!others.empty())
     out.notes.push_back({"POSES_SEVERAL", fmt::format("there are several sets of poses: {}; not read: {}", read, others)});
-  if (!beside.empty()) out.notes.push_back({"", fmt::format("{}; not read: {}", read, beside)});
+  if (!other_formats.empty()) out.notes.push_back({"", fmt::format("{}; not read: {}", read, other_formats)});
   out.notes.insert(out.notes.end(), unreadable.begin(), unreadable.end());
   return out;
 }
@@ -132,7 +132,7 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
   std::string hint = "names in the poses must be names of photos";
   if (ambiguous != r.matches.end()) {
     why += fmt::format(": '{}' may be {}", r.names[size_t(ambiguous - r.matches.begin())], listed(finder, ambiguous->could_be));
-    hint = "give the folder of the photos that have the poses, or write paths into the poses that tell these photos apart";
+    hint = "give the folder of the photos that have the poses, or write paths into the poses that distinguish these photos";
   } else if (!r.names.empty() && !photos.empty()) {
     size_t example = 0;
     while (example + 1 < r.names.size() && r.matches[example].photo) ++example;
@@ -204,7 +204,7 @@ std::vector<size_t> used_names(Reading& r, const PhotoFinder& finder) {
                               finder.name(at->first)),
            .hint = r.names[i] == r.names[at->second]
                        ? "remove one of them, or correct its name"
-                       : "give the folder above these photos, so that their folders tell them apart; or remove one of them",
+                       : "give the folder above these photos, so that their folders distinguish them; or remove one of them",
            .code = "POSES_TWICE"});
     }
   }

@@ -33,8 +33,8 @@ std::vector<size_t> first_versions(std::span<const Photo> photos) {
   std::map<std::string, size_t> by_key;
   for (size_t i = 0; i < photos.size(); ++i) by_key.emplace(key(photos[i].source), i);
   // Photo at `path` with its folder `part` renamed to `name`.
-  const auto beside = [&](const fs::path& path, const fs::path::iterator& part,
-                          const std::string& name) -> std::optional<size_t> {
+  const auto with_folder = [&](const fs::path& path, const fs::path::iterator& part,
+                               const std::string& name) -> std::optional<size_t> {
     fs::path other;
     for (auto at = path.begin(); at != path.end(); ++at) other /= at == part ? fs::path(name) : *at;
     const auto found = by_key.find(key(other));
@@ -47,13 +47,13 @@ std::vector<size_t> first_versions(std::span<const Photo> photos) {
     for (auto part = path.begin(); part != path.end(); ++part) {
       const std::string& folder = part->native();
       if (folder == "input")
-        if (const auto found = beside(path, part, "images")) first[i] = *found;
+        if (const auto found = with_folder(path, part, "images")) first[i] = *found;
       const size_t line = folder.rfind('_');
       if (line == std::string::npos || line == 0 || line + 1 == folder.size() || folder.size() - line > 3 ||
           folder.find_first_not_of("0123456789", line + 1) != std::string::npos)
         continue;
       const int factor = std::stoi(folder.substr(line + 1));
-      const auto found = beside(path, part, folder.substr(0, line));
+      const auto found = with_folder(path, part, folder.substr(0, line));
       if (factor < 2 || !found || *found == i) continue;
       const auto fits = [&](int a, int b) { return std::abs(double(b) / factor - a) <= 1; };
       if (fits(photos[i].original_width, photos[*found].original_width) &&

@@ -153,7 +153,7 @@ std::vector<PoseFile> find_pose_files(const fs::path& given) {
   std::error_code ec;
   if (path != given && !holds_colmap_model(path)) {
     const fs::path missing = path / (given.stem() == "images" ? "cameras" : "images");
-    throw_missing(given, fmt::format("it belongs to a COLMAP model, and {}.bin or .txt is not beside it", missing.string()));
+    throw_missing(given, fmt::format("it belongs to a COLMAP model, and {}.bin or .txt is not next to it", missing.string()));
   }
   if (fs::is_regular_file(path, ec)) {
     if (const auto what = other_format(path)) throw_missing(path, "this is " + *what);

@@ -29,7 +29,7 @@ const std::vector<LossFactory>& loss_registry() {
       {"transmission_mask", "Transmission agrees with the transparent mask.", 0.1f, make_transmission_mask_loss},
       // Only if the object is trained alone (stages/optimize/surroundings.h): otherwise it would remove the surroundings.
       {"object_mask", "Alpha agrees with the object mask, where the object is trained alone.", 0.3f, make_object_mask_loss},
-      {"first_hit", "Transmitted and reflected things stay off the surface that shows them.", 0.01f, make_first_hit_loss},
+      {"first_hit", "Transmitted and reflected layers stay off the surface that shows them.", 0.01f, make_first_hit_loss},
       {"monocular_normal", "Surfel normals agree with the normals stage.", 0.05f, make_monocular_normal_loss, 0, 0, 0.2},
       {"perceptual", "Features of a convolutional network agree with the photo's; needs `vgg`.", 0.01f,
        [] { return make_perceptual_loss(); }, 0.75},

@@ -9,8 +9,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kOpaque = 0.9f;      // 1 - tau of non-glass surfels
-constexpr float kHeldGloss = 0.01f;  // k_s: surfels below it are not frozen, and not looked up
+constexpr float kOpaque = 0.9f;              // 1 - tau of non-glass surfels
+constexpr float kMinFrozenSpecular = 0.01f;  // k_s: surfels below it are not frozen, and not looked up
 
 }  // namespace
 
@@ -37,11 +37,11 @@ void share_glass(SplatLayer& diffuse) {
     }
 }
 
-void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float gloss_factor, std::vector<float>& damping) {
+void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float mirror_factor, std::vector<float>& damping) {
   damping.resize(diffuse.size(), 1.f);
   parallel_for(damping.size(), 1024, [&](size_t i) {
     const float k_s = sigmoid(*diffuse.at(Attribute::SpecularWeight, i)), *mean = diffuse.at(Attribute::Mean, i);
-    if (k_s > kHeldGloss && known.near({mean[0], mean[1], mean[2]})) damping[i] *= 1 - (1 - gloss_factor) * k_s;
+    if (k_s > kMinFrozenSpecular && known.near({mean[0], mean[1], mean[2]})) damping[i] *= 1 - (1 - mirror_factor) * k_s;
   });
 }
 

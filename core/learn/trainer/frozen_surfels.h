@@ -38,8 +38,8 @@ void freeze_glass(const SplatLayer& diffuse, float glass_factor, std::vector<flo
 // Sets f0 and k_s of all glass surfels to their means.
 void share_glass(SplatLayer& diffuse);
 
-// Damps specular surfels near `known`: `damping` (empty: ones) is multiplied by 1 to `gloss_factor` according to their specular
+// Damps specular surfels near `known`: `damping` (empty: ones) is multiplied by 1 to `mirror_factor` according to their specular
 // weight. The known surface is more accurate than a mirror reflection can determine.
-void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float gloss_factor, std::vector<float>& damping);
+void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float mirror_factor, std::vector<float>& damping);
 
 }  // namespace vitrine

@@ -18,10 +18,10 @@ constexpr double kBeta1 = 0.9, kBeta2 = 0.99;
 // Mean square of the non-zero gradients of a group: the step size does not depend on how many parameters a photo sees.
 double mean_square(std::span<const double> grad) {
   double squares = 0;
-  size_t asked = 0;
+  size_t nonzero = 0;
   for (const double g : grad)
-    if (g != 0) squares += g * g, ++asked;
-  return asked > 0 ? squares / double(asked) : 0;
+    if (g != 0) squares += g * g, ++nonzero;
+  return nonzero > 0 ? squares / double(nonzero) : 0;
 }
 
 }  // namespace

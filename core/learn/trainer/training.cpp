@@ -90,14 +90,14 @@ void Training::weigh_pixels(float specular_weight, bool withheld) {
 
 void Training::choose_ray_pixels(const StepPlan& plan) {
   const auto specular = images_.mask(MaskClass::Specular), transparent = images_.mask(MaskClass::Transparent);
-  gloss_.assign(specular.begin(), specular.end());
-  for (size_t i = 0; i < gloss_.size(); ++i) {
-    if (!plan.glass_sends_rays && !transparent.empty()) gloss_[i] *= 1 - transparent[i];
-    if (plan.coats_send_rays && !images_.coat.empty()) gloss_[i] = std::max(gloss_[i], images_.coat[i]);
+  reflects_.assign(specular.begin(), specular.end());
+  for (size_t i = 0; i < reflects_.size(); ++i) {
+    if (!plan.glass_sends_rays && !transparent.empty()) reflects_[i] *= 1 - transparent[i];
+    if (plan.coats_send_rays && !images_.coat.empty()) reflects_[i] = std::max(reflects_[i], images_.coat[i]);
   }
   frame_.seed = desc_.seed;
   frame_.step = step_;
-  frame_.specular_mask = gloss_;
+  frame_.specular_mask = reflects_;
   frame_.transparent_mask = plan.glass_sends_rays ? transparent : std::span<const float>();
 }
 
@@ -149,7 +149,7 @@ double Training::learn(const StepPlan& plan, const View& view) {
 void Training::update(const StepPlan& plan) {
   damping_.clear();
   if (plan.glass_factor) freeze_glass(scene_.diffuse, *plan.glass_factor, damping_, frame_.statistics.error, grad_.diffuse);
-  if (plan.known_gloss) freeze_mirrors(scene_.diffuse, *plan.known_gloss, plan.gloss_factor, damping_);
+  if (plan.known_mirrors) freeze_mirrors(scene_.diffuse, *plan.known_mirrors, plan.mirror_factor, damping_);
   DescentCounts worst;
   bool blank = false;
   broken_ = false;

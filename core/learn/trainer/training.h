@@ -40,8 +40,8 @@ struct StepPlan {
   float specular_weight = 1;                             // of the picture losses on mirrors: specular, not transparent
   bool glass_sends_rays = true, coats_send_rays = true;  // the pixels of their masks send rays
   std::optional<float> glass_factor = {};                // freeze_glass
-  const KnownSurface* known_gloss = nullptr;             // freeze_mirrors, at gloss_factor
-  float gloss_factor = 1;
+  const KnownSurface* known_mirrors = nullptr;           // freeze_mirrors, at mirror_factor
+  float mirror_factor = 1;
   bool one_glass = false;  // share_glass
 };
 
@@ -122,9 +122,9 @@ class Training {
   Frame frame_;
   std::vector<float> target_;  // [3,h,w] the photo
   TargetImages images_;
-  std::vector<float> weight_;   // [h,w] of the picture losses; empty: one
-  std::vector<float> gloss_;    // [h,w] pixels that send reflection rays
-  std::vector<float> damping_;  // [diffuse surfels]
+  std::vector<float> weight_;    // [h,w] of the picture losses; empty: one
+  std::vector<float> reflects_;  // [h,w] pixels that send reflection rays
+  std::vector<float> damping_;   // [diffuse surfels]
 };
 
 }  // namespace vitrine

@@ -66,7 +66,7 @@ bool Carving::enough(size_t inside) const {
 
 bool Carving::inside(const Vec3d& p, double near, double slack) const {
   size_t inside = 0, outside = 0;
-  const double most = rule_.dissent * double(silhouettes_.size());
+  const double most = rule_.outlier_share * double(silhouettes_.size());
   for (const Silhouette& s : silhouettes_) {
     const auto q = image_point(p, s.view, near);
     if (!q) continue;
@@ -78,7 +78,7 @@ bool Carving::inside(const Vec3d& p, double near, double slack) const {
     else if (double(++outside) > most)
       return false;
   }
-  return enough(inside) && double(outside) <= rule_.dissent * double(inside + outside);
+  return enough(inside) && double(outside) <= rule_.outlier_share * double(inside + outside);
 }
 
 float Carving::occupancy(const Vec3d& p, std::vector<float>& scratch) const {
@@ -93,7 +93,7 @@ float Carving::occupancy(const Vec3d& p, std::vector<float>& scratch) const {
     scratch.push_back(value);
   }
   if (!enough(inside)) return 0;
-  return order_statistic_of(std::span(scratch), size_t(rule_.dissent * double(scratch.size())));
+  return order_statistic_of(std::span(scratch), size_t(rule_.outlier_share * double(scratch.size())));
 }
 
 }  // namespace vitrine

@@ -11,13 +11,13 @@
 namespace vitrine {
 
 struct CarvingRule {
-  double dissent = 0.1;      // outlier share: of the photos that see a point, those that may show it outside; masks have errors
-  size_t fewest_views = 3;   // minimum number of photos that show a point inside
-  double seen_share = 0.35;  // minimum share of all photos that show it inside: few photos give no usable visual hull
+  double outlier_share = 0.1;  // of the photos that see a point, those that may show it outside; masks have errors
+  size_t fewest_views = 3;     // minimum number of photos that show a point inside
+  double seen_share = 0.35;    // minimum share of all photos that show it inside: few photos give no usable visual hull
 };
 // For outlines found in each photo separately, by GrabCut or a network, which have more errors than masks. With an outlier
 // share of 0.1 the lid of a marked pot was lost (IoU .72 instead of .88).
-inline constexpr CarvingRule kOutlineVote{.dissent = 0.2};
+inline constexpr CarvingRule kOutlineVote{.outlier_share = 0.2};
 
 class Carving {
  public:

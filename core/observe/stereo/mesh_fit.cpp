@@ -18,12 +18,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kMaskEdge = 0.5f;    // coverage
-constexpr double kSampleStep = 0.5;  // pixels, step of the mask-edge search
-constexpr double kBeside = 1.5;      // pixels outside a contour vertex: no contour if the mesh covers that point too
-constexpr double kLeastReach = 2.5;  // pixels
-constexpr double kRobust = 0.25;     // of the mean edge length: residual with weight one half
-constexpr int kReweighted = 3;       // reweighted solves per round
+constexpr float kMaskEdge = 0.5f;       // coverage
+constexpr double kSampleStep = 0.5;     // pixels, step of the mask-edge search
+constexpr double kOutwardOffset = 1.5;  // pixels outside a contour vertex: no contour if the mesh covers that point too
+constexpr double kLeastReach = 2.5;     // pixels
+constexpr double kRobust = 0.25;        // of the mean edge length: residual with weight one half
+constexpr int kReweighted = 3;          // reweighted solves per round
 constexpr double kRelaxed = 0.5;     // tangential smoothing: share of the way to the mean of the neighbours
 constexpr double kRest = 1e-3;       // damping weight for vertices without observations
 constexpr double kMostStep = 1.0;    // maximum step per round, in mean edge lengths
@@ -79,13 +79,13 @@ std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const S
     const auto at = projection(p, s.view, 1e-6);
     if (!at) continue;
     const double pixel = at->z / s.view.intrinsics.fx;  // pixel size in scene units
-    const auto beside = projection(p + pixel * n, s.view, 1e-6);
-    if (!beside) continue;
-    Vec2d outwards{beside->x - at->x, beside->y - at->y};
+    const auto offset = projection(p + pixel * n, s.view, 1e-6);
+    if (!offset) continue;
+    Vec2d outwards{offset->x - at->x, offset->y - at->y};
     const double pixels = std::hypot(outwards.x, outwards.y);
     if (!(pixels > 0.5)) continue;
     outwards = (1 / pixels) * outwards;
-    const Vec3d way = s.view.ray(at->x + kBeside * outwards.x, at->y + kBeside * outwards.y);
+    const Vec3d way = s.view.ray(at->x + kOutwardOffset * outwards.x, at->y + kOutwardOffset * outwards.y);
     if (hits.first_face(cast<float>(eye), cast<float>(way))) continue;
     const auto edge = edge_along(s.value, {at->x, at->y}, outwards, std::max(kLeastReach, reach / pixel));
     if (edge) out.push_back({v, *edge / pixels * pixel});

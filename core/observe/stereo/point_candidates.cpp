@@ -64,14 +64,14 @@ std::vector<WeightedPoint> points_about(std::span<const Silhouette> masks, std::
   parallel_for(masks.size(), 1, [&](size_t v) { where[v] = bands(masks[v]); });
   std::vector<WeightedPoint> out;
   for (const Vec3d& p : points) {
-    size_t seen = 0, inside = 0, beside = 0;
+    size_t seen = 0, inside = 0, near_edge = 0;
     for (size_t v = 0; v < masks.size(); ++v)
       if (const auto at = image_point(p, masks[v].view)) {
         const uint8_t there = where[v][size_t(at->y) * size_t(masks[v].view.intrinsics.width) + size_t(at->x)];
-        ++seen, inside += there == 2, beside += there == 1;
+        ++seen, inside += there == 2, near_edge += there == 1;
       }
-    if (inside + beside < kFewestOfPlane || double(inside + beside) < kMostPhotos * double(seen)) continue;
-    out.push_back({p, inside > beside ? inside_weight : 1});
+    if (inside + near_edge < kFewestOfPlane || double(inside + near_edge) < kMostPhotos * double(seen)) continue;
+    out.push_back({p, inside > near_edge ? inside_weight : 1});
   }
   return out;
 }

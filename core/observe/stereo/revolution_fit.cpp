@@ -114,7 +114,7 @@ class Rims {
   }
 
   // Coverage of the silhouette at the radius r in one direction.
-  static float said(const Silhouette& m, const Disc& disc, const Vec3d& direction, double r) {
+  static float coverage(const Silhouette& m, const Disc& disc, const Vec3d& direction, double r) {
     const auto p = projection(disc.centre + r * direction, m.view, 1e-6);
     return p ? coverage_at(m.value, p->x, p->y) : -1;
   }
@@ -123,7 +123,7 @@ class Rims {
   std::optional<double> silhouette(const Silhouette& m, const Disc& disc, double angle, double from) const {
     const Vec3d direction = std::cos(angle) * disc.u + std::sin(angle) * disc.v;
     const double step = reach_ / kMarch;
-    const float at_from = said(m, disc, direction, from);
+    const float at_from = coverage(m, disc, direction, from);
     if (at_from < 0) return std::nullopt;
     const bool inside = at_from >= 0.5f;
     double good = inside ? from : 0, bad = inside ? reach_ : from;
@@ -131,7 +131,7 @@ class Rims {
       r += inside ? step : -step;
       if (r >= reach_) return reach_;
       if (r <= 0) return 0;
-      const float here = said(m, disc, direction, r);
+      const float here = coverage(m, disc, direction, r);
       if (here < 0) return std::nullopt;
       if ((here >= 0.5f) == inside) {
         (inside ? good : bad) = r;
@@ -142,7 +142,7 @@ class Rims {
     }
     for (int j = 0; j < kHalve; ++j) {
       const double middle = 0.5 * (good + bad);
-      (said(m, disc, direction, middle) >= 0.5f ? good : bad) = middle;
+      (coverage(m, disc, direction, middle) >= 0.5f ? good : bad) = middle;
     }
     return good;
   }

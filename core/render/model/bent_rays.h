@@ -43,8 +43,7 @@ class BentRays {
   // refracted paths, and frame.behind.path.
   void forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame);
   // Moves the gradients (and `error_image`, [h,w] or empty, the source of per-surfel errors) of these pixels from the straight
-  // view to the
-  // refracted rays: adds to `grad`, of the shape of `opened`, and to `statistics`.
+  // view to the refracted rays: adds to `grad`, of the shape of `opened`, and to `statistics`.
   void backward(Frame& frame, std::span<float> error_image, SplatLayer& grad, SurfelStatistics& statistics);
 
  private:

@@ -9,8 +9,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kOpenedGrain = 512;  // surfels per parallel chunk
-constexpr float kNoGloss = 1e-4f;     // k_s and tau of opaque, non-specular surfels
+constexpr size_t kOpenedGrain = 512;   // surfels per parallel chunk
+constexpr float kNotSpecular = 1e-4f;  // k_s and tau of opaque, non-specular surfels
 constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
                                         Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
 constexpr Attribute kSurfaceMaterials[] = {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight,
@@ -43,7 +43,7 @@ void gather(const SplatScene& scene, OpenedDegrees degrees, LayerKind kind, Open
       for (Attribute a : kSurfaceMaterials) {
         const bool dull = a == Attribute::SpecularWeight || a == Attribute::Transmission;
         if (own)
-          std::fill_n(merged.at(a, k), merged.width(a), raw_value(row(a).activation, dull ? kNoGloss : row(a).initial));
+          std::fill_n(merged.at(a, k), merged.width(a), raw_value(row(a).activation, dull ? kNotSpecular : row(a).initial));
         else
           std::copy_n(diffuse.at(a, i), diffuse.width(a), merged.at(a, k));
       }

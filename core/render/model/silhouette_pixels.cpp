@@ -17,7 +17,7 @@ constexpr double kBetween_rel = 0.01;     // of its extent: maximum distance by 
 constexpr double kSilhouetteNear = 1e-3;  // z-depth; closer points are not projected
 constexpr int kGrow = 2;                  // pixels; the silhouette's direction is estimated from the hits within this distance
 constexpr double kEdgeReach = 2;          // pixels along that direction that must contain the edge
-constexpr double kBeside = 0.75;          // pixels to either side, between which the edge is straight
+constexpr double kSideOffset = 0.75;      // pixels to either side, between which the edge is straight
 constexpr int kHalvings = 10;             // bisection steps of kEdgeReach: the edge is accurate to 1/500 pixel
 
 // Screen bounds of surface points; none if one is behind the camera or all are outside the picture.
@@ -135,10 +135,10 @@ std::optional<SilhouettePixel> WindowSilhouette::crossed(int x, int y) const {
   Vec2d out{-inwards.x / size, -inwards.y / size};
   // The pixel count gives a coarse direction; the edge positions on either side of the pixel centre refine it.
   const double mx = x + 0.5, my = y + 0.5;
-  const auto left = end_along(mx - kBeside * out.y, my + kBeside * out.x, out),
-             right = end_along(mx + kBeside * out.y, my - kBeside * out.x, out);
+  const auto left = end_along(mx - kSideOffset * out.y, my + kSideOffset * out.x, out),
+             right = end_along(mx + kSideOffset * out.y, my - kSideOffset * out.x, out);
   if (left && right) {
-    const double slope = (left->distance - right->distance) / (2 * kBeside), l = std::hypot(1.0, slope);
+    const double slope = (left->distance - right->distance) / (2 * kSideOffset), l = std::hypot(1.0, slope);
     out = {(out.x + slope * out.y) / l, (out.y - slope * out.x) / l};
   }
   const auto end = end_along(mx, my, out);

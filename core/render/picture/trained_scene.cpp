@@ -54,7 +54,7 @@ double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 SplatLayer layer_of(const fs::path& path, LayerKind kind) {
   SplatLayer layer = read_layer(path);
   if (layer.kind() != kind)
-    throw Error(ErrorKind::Input, "a scene file holds another layer than its name says",
+    throw Error(ErrorKind::Input, "a scene file holds another layer than its name states",
                 {.where = path.string(),
                  .why = fmt::format("it holds the layer {}", name(layer.kind())),
                  .hint = "give the artifact as `vitrine run` wrote it",

@@ -134,7 +134,7 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
   });
 }
 
-void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
+void GlassContent::look(const Frame& frame, std::span<const uint32_t> requesting) {
   const TransmissionOptions& options = scene_->trained.image.transmission;
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
@@ -148,7 +148,7 @@ void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
   bent_.clear();
   if (!options.thick) return;
   std::vector<GlassPath> path(frame.pixel_count(), GlassPath::Straight);
-  legs_.find(*options.thick, frame, asking, path);
+  legs_.find(*options.thick, frame, requesting, path);
   bent_.assign(path.size(), 0);
   if (legs_.pixels.empty()) return;
   if (!tracer_) {
@@ -170,7 +170,7 @@ GlassContent::Seen GlassContent::seen(uint32_t pixel, const Vec3f& origin, const
   return {content_->rgb(content_->color, pixel), 1 - content_->alpha[pixel], origin, direction};
 }
 
-std::optional<ShownSurface> GlassContent::gloss(uint32_t pixel, const PixelRay<float>& ray) const {
+std::optional<ShownSurface> GlassContent::specular_surface(uint32_t pixel, const PixelRay<float>& ray) const {
   if (!bent_.empty() && bent_[pixel] > 0) return std::nullopt;
   const GBuffer& g = *content_;
   if (!(g.specular[pixel] > float(kMinSpecular) && g.alpha[pixel] > 0 && g.zdepth[pixel] > 0)) return std::nullopt;

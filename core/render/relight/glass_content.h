@@ -26,8 +26,8 @@ class GlassContent {
   bool empty() const { return merged_.size() == 0; }
 
   void relight(const LitScene& lit, const LitSceneDesc& desc);
-  // `frame`: diffuse pass of the view; `asking`: pixels whose rays thick glass may bend.
-  void look(const Frame& frame, std::span<const uint32_t> asking);
+  // `frame`: diffuse pass of the view; `requesting`: pixels whose rays thick glass may bend.
+  void look(const Frame& frame, std::span<const uint32_t> requesting);
   // Content in one pixel of that view. The share `rest` of the ray continues from `origin` behind all surfels.
   struct Seen {
     Vec3f radiance{};
@@ -38,7 +38,7 @@ class GlassContent {
   Seen seen(uint32_t pixel, const Vec3f& origin, const Vec3f& direction) const;
   // The specular surface behind the glass, without its scattered light, which seen() contains; nullopt if there is none. `ray`:
   // camera ray of the pixel.
-  std::optional<ShownSurface> gloss(uint32_t pixel, const PixelRay<float>& ray) const;
+  std::optional<ShownSurface> specular_surface(uint32_t pixel, const PixelRay<float>& ray) const;
 
  private:
   std::vector<Vec3f> fluence(const LitScene& lit) const;  // [surfels of the transmittance layer]; zero where the albedo is known

@@ -60,7 +60,7 @@ struct TransferDesc {
 class LightTransfer {
  public:
   // Computes the transfer of the mesh vertices. `surface` must outlive this object. Throws (core/foundation/base/process.h) when the program
-  // is asked to stop, like all functions below.
+  // must stop, like all functions below.
   explicit LightTransfer(const SceneSurface& surface, const TransferDesc& desc = {});
 
   // Light received by the surfels of a layer, [surfels]: at the mesh position of each surfel, or at the wall of the surroundings

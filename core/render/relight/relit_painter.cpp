@@ -86,8 +86,8 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     if (shown.material.transmission > kLeastCoverage) {
       const GlassContent::Seen seen = glass_.seen(pixel, front.at.on_mesh - mirror_lift(surface_) * front.at.normal, -ray.view);
       Vec3f through = seen.radiance;
-      if (const auto gloss = glass_.gloss(pixel, ray))
-        through += gloss->alpha * shaded(*gloss, SamplePoints(mix64(desc.seed, kBehindStream), pixel)).radiance;
+      if (const auto specular = glass_.specular_surface(pixel, ray))
+        through += specular->alpha * shaded(*specular, SamplePoints(mix64(desc.seed, kBehindStream), pixel)).radiance;
       if (seen.rest > kLeastCoverage) {
         const LitScene::Arrival a = lit_->arriving(seen.origin, seen.direction);
         through += seen.rest * (a.from_scene + a.from_outside * sky.radiance(seen.direction));

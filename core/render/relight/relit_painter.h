@@ -36,7 +36,7 @@ class RelitPainter {
   RelitPainter(const RelitPainter&) = delete;
   RelitPainter& operator=(const RelitPainter&) = delete;
 
-  // Takes seconds to a minute; throws (core/foundation/base/process.h) when the program is asked to stop.
+  // Takes seconds to a minute; throws (core/foundation/base/process.h) when the program must stop.
   void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
   // At the size of the view's intrinsics; its gain is ignored.
   RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});

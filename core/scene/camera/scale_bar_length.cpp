@@ -108,7 +108,7 @@ ScaleBarLength scale_bar_length(const ScaleBar& bar, const std::vector<View>& vi
     }
   out.error_px = std::sqrt(squares / double(2 * bar.marks.size()));
   if (worst_rel > kLargestError_rel)
-    throw fail(fmt::format("the marks do not meet: in '{}' the ends lie up to {:.1f} px beside the marks", worst->name, worst_px),
+    throw fail(fmt::format("the marks do not meet: in '{}' the ends lie up to {:.1f} px off the marks", worst->name, worst_px),
                kMarkHint);
   out.scene_units = length(points[1] - points[0]);
   if (!(out.scene_units > 0)) throw fail("both ends are the same point", kMarkHint);

@@ -52,7 +52,7 @@ MaskOrigin mask_origin(const fs::path& artifact, MaskClass kind) {
   return out;
 }
 
-std::vector<std::string> marked_things(const fs::path& artifact) {
+std::vector<std::string> marked_objects(const fs::path& artifact) {
   std::vector<std::string> out;
   if (!fs::exists(origin_path(artifact))) return out;
   read_json_file(origin_path(artifact), "list of the origins of masks",
@@ -60,16 +60,16 @@ std::vector<std::string> marked_things(const fs::path& artifact) {
   return out;
 }
 
-fs::path marked_things_path(const fs::path& artifact, const View& view) {
+fs::path marked_objects_path(const fs::path& artifact, const View& view) {
   return artifact / "masks" / "marked" / (view.stem() + ".png");
 }
 
 void write_mask_origins(const fs::path& artifact, const std::map<MaskClass, MaskOrigin>& origins,
-                        const std::vector<std::string>& things) {
+                        const std::vector<std::string>& objects) {
   nlohmann::json j = nlohmann::json::object();
   for (const auto& [kind, origin] : origins)
     j[std::string(name(kind))] = {{"source", origin.source}, {"trust", origin.trust}, {"propagated", origin.propagated}};
-  if (!things.empty()) j["things"] = things;
+  if (!objects.empty()) j["things"] = objects;
   make_folders(origin_path(artifact).parent_path());
   write_json_file(origin_path(artifact), j);
 }

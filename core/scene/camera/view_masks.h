@@ -30,13 +30,13 @@ struct MaskOrigin {
 
 // `artifact`: folder that contains masks/. Without the file the masks are the user's own. Throws Error{Input}.
 MaskOrigin mask_origin(const std::filesystem::path& artifact, MaskClass kind);
-// `things`: names of the annotated objects in masks/marked.
+// `objects`: names of the annotated objects in masks/marked.
 void write_mask_origins(const std::filesystem::path& artifact, const std::map<MaskClass, MaskOrigin>& origins,
-                        const std::vector<std::string>& things = {});
+                        const std::vector<std::string>& objects = {});
 
 // Names of the objects annotated by the user; empty if the annotations have no names. masks/marked/<photo>.png, 16 bit, any
 // size, contains 1 + the object index per pixel, 0 = none.
-std::vector<std::string> marked_things(const std::filesystem::path& artifact);
-std::filesystem::path marked_things_path(const std::filesystem::path& artifact, const View& view);
+std::vector<std::string> marked_objects(const std::filesystem::path& artifact);
+std::filesystem::path marked_objects_path(const std::filesystem::path& artifact, const View& view);
 
 }  // namespace vitrine

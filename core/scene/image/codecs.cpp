@@ -11,9 +11,9 @@ namespace {
 
 const Codecs* load() {
   // Next to the executable, else in the build folder (for executables elsewhere).
-  const fs::path built = VITRINE_CODECS, beside = fs::read_symlink("/proc/self/exe").parent_path() / built.filename();
+  const fs::path built = VITRINE_CODECS, installed = fs::read_symlink("/proc/self/exe").parent_path() / built.filename();
   std::error_code none;
-  const fs::path path = fs::exists(beside, none) ? beside : built;
+  const fs::path path = fs::exists(installed, none) ? installed : built;
   void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   const void* const found = library ? dlsym(library, "vitrine_codecs") : nullptr;
   if (!found) {

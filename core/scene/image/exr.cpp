@@ -282,7 +282,7 @@ ExrColors picture_of(const ExrFile& file, const fs::path& path, std::vector<std:
   notes = colors.notes;
   for (const std::string& name : colors.channels)
     if (file.header(colors.part).channels().findChannel(name)->type == Imf::UINT)
-      bad_exr(path, fmt::format("its channel {} holds whole numbers, whose black and white it does not say", name),
+      bad_exr(path, fmt::format("its channel {} holds whole numbers, with unknown black and white levels", name),
               "export it in half or float precision");
   if (colors.luminance_chroma && (parts.size() > 1 || !exr_layer_name(colors.channels[0]).empty()))
     bad_exr(path, "its colours are luminance and chroma (Y, RY, BY) in a layer or part of several", "export it as R, G, B");

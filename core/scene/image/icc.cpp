@@ -20,11 +20,11 @@ namespace {
 
 // One Little CMS context per profile: no global state, and error messages are captured.
 struct Context {
-  std::string said;
+  std::string error;
   cmsContext handle = nullptr;
   Context() : handle(cmsCreateContext(nullptr, this)) {
     cmsSetLogErrorHandlerTHR(handle, [](cmsContext id, cmsUInt32Number, const char* text) {
-      if (auto* self = static_cast<Context*>(cmsGetContextUserData(id)); self && self->said.empty()) self->said = text;
+      if (auto* self = static_cast<Context*>(cmsGetContextUserData(id)); self && self->error.empty()) self->error = text;
     });
   }
   ~Context() { cmsDeleteContext(handle); }
@@ -112,7 +112,7 @@ ColorProfile::Curve curve_of(const std::shared_ptr<Lcms>& lcms, cmsTagSignature 
 }
 
 IccProfile unusable(const Lcms& lcms, std::string why) {
-  if (!lcms.context->said.empty()) why += fmt::format(" (Little CMS: {})", lcms.context->said);
+  if (!lcms.context->error.empty()) why += fmt::format(" (Little CMS: {})", lcms.context->error);
   return {.profile = nullptr, .problem = std::move(why)};
 }
 

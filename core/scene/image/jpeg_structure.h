@@ -13,7 +13,7 @@ struct JpegStructure {
   std::string damage;   // reason why the image is incomplete; empty if complete
   std::string refusal;  // reason why this type of JPEG is not supported, with a workaround; empty if supported
   size_t end = 0;       // offset after the end marker; later bytes are not part of the image
-  // Damaged, possibly only by a missing end marker: one scan, no padding after it. Only decoding can tell.
+  // Damaged, possibly only by a missing end marker: one scan, no padding after it. Only decoding can decide.
   bool end_missing = false;
 };
 

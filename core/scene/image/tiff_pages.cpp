@@ -228,7 +228,7 @@ TiffChannels tiff_channels(const TiffPage& p) {
 
 std::string tiff_refusal(const TiffPages& t) {
   constexpr const char* kExport = "export it as RGB, 8 or 16 bit";
-  if (t.pages.empty()) return "the TIFF has no directory where its header says: the file is truncated or damaged";
+  if (t.pages.empty()) return "the TIFF has no directory at the offset in its header: the file is truncated or damaged";
   if (!t.raw.empty())
     return fmt::format("it is a raw photo{}: develop it and export a 16-bit TIFF or a JPEG",
                        t.raw == "raw" ? "" : fmt::format(" ({})", t.raw));
@@ -236,7 +236,7 @@ std::string tiff_refusal(const TiffPages& t) {
   if (t.damaged && p.reduced)
     return "only a thumbnail of the TIFF is left: the directory of its picture lies outside of the file";
   if (p.compression == 6) return fmt::format("the TIFF is compressed by the old kind of JPEG, which is not read: {}", kExport);
-  if (p.width == 0 || p.height == 0) return "the TIFF does not say its size: it is damaged";
+  if (p.width == 0 || p.height == 0) return "the size of the TIFF is missing: it is damaged";
   switch (p.photometric) {
     case kMinIsWhite:
     case kMinIsBlack:
@@ -258,7 +258,7 @@ std::string tiff_refusal(const TiffPages& t) {
       return fmt::format("the TIFF has colours of an unknown kind (photometric interpretation {}): {}", p.photometric, kExport);
   }
   const unsigned colours = tiff_channels(p).colours;
-  if (p.samples < colours) return fmt::format("the TIFF says that it is RGB and has {} channels: it is damaged", p.samples);
+  if (p.samples < colours) return fmt::format("the TIFF is declared as RGB and has {} channels: it is damaged", p.samples);
   if (p.photometric == kPalette && p.samples != 1)
     return fmt::format("the TIFF has a palette and {} channels: {}", p.samples, kExport);
   if (!p.equal_samples) return fmt::format("the channels of the TIFF differ in bits or format: {}", kExport);
@@ -273,7 +273,7 @@ std::string tiff_refusal(const TiffPages& t) {
       if (p.photometric == kYcbcr && bits != 8) return fmt::format("the TIFF is YCbCr of {} bits: {}", bits, kExport);
       return "";
     case 2:
-      return fmt::format("the samples of the TIFF are signed whole numbers, whose black and white it does not say: {}", kExport);
+      return fmt::format("the samples of the TIFF are signed whole numbers, with unknown black and white levels: {}", kExport);
     case 3:
       if (bits == 24) return "the TIFF has floating-point samples of 24 bits: export it with 16 or 32 bits";
       if (bits != 16 && bits != 32 && bits != 64)

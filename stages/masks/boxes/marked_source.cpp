@@ -92,7 +92,7 @@ void write_marked_things(const std::filesystem::path& artifact, const MaskCaptur
   parallel_for(masks.shown.size(), 1, [&](size_t v) {
     Image16 image(masks.sizes[v].width, masks.sizes[v].height, 1);
     std::ranges::copy(masks.shown[v], image.data().begin());
-    const std::filesystem::path path = marked_things_path(artifact, capture.set.views[v]);
+    const std::filesystem::path path = marked_objects_path(artifact, capture.set.views[v]);
     make_folders(path.parent_path());
     write_png16(path, image);
   });

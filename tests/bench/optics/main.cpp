@@ -173,7 +173,7 @@ int main(int argc, char** argv) {
     }
     return compare(a);
   } catch (const Error& e) {
-    fmt::print(stderr, "{}\n", e.told());
+    fmt::print(stderr, "{}\n", e.with_prefix());
     return exit_code(e.kind());
   } catch (const std::exception& e) {
     fmt::print(stderr, "error: {}\n", e.what());

@@ -16,7 +16,7 @@ using test::Rod;
 constexpr double kAllAround = 2 * std::numbers::pi;
 
 ShapeSet shapes_in(MaskClass kind, const std::vector<Silhouette>& silhouettes, bool propagated = false) {
-  const HullDesc hull{.resolution = 64, .rule = {.dissent = 0.08}};
+  const HullDesc hull{.resolution = 64, .rule = {.outlier_share = 0.08}};
   ShapeSet found;
   for (const MaskedObject& object : masked_objects(kind, silhouettes, hull))
     found.append(detected_shapes(object, hull.rule, propagated));

@@ -230,8 +230,8 @@ TEST(ObjectsStage, TakesTheNamesOfMarks) {
     const ImageF metal = *read_view_mask(scene().masks(), MaskClass::Specular, view);
     Image16 things(glass.width(), glass.height(), 1);
     for (size_t i = 0; i < things.data().size(); ++i) things.data()[i] = glass.data()[i] > 0 ? 3 : metal.data()[i] > 0 ? 2 : 0;
-    make_folders(marked_things_path(marked.path(), view).parent_path());
-    write_png16(marked_things_path(marked.path(), view), things);
+    make_folders(marked_objects_path(marked.path(), view).parent_path());
+    write_png16(marked_objects_path(marked.path(), view), things);
   }
   const ObjectSet set = read_objects(run({{"masks", marked.path()}})->output());
   ASSERT_EQ(set.objects.size(), 2u);

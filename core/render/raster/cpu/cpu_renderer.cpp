@@ -285,7 +285,7 @@ std::unique_ptr<Renderer> make_cpu_renderer(Simd simd) {
     simd = word == "avx2" ? Simd::Avx2 : word == "avx512" || machine_has(Simd::Avx512) ? Simd::Avx512 : Simd::Avx2;
   }
   if (!machine_has(simd))
-    throw Error(ErrorKind::Device, "this processor lacks the instruction set asked for",
+    throw Error(ErrorKind::Device, "this processor lacks the requested instruction set",
                 {.where = simd == Simd::Avx512 ? "avx512" : "avx2", .hint = "unset VITRINE_SIMD", .code = "NO_SIMD"});
   return std::make_unique<CpuRenderer>(simd == Simd::Avx512 ? avx512_passes() : avx2_passes());
 }

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
   try {
     return run({argv + 1, argv + argc});
   } catch (const vitrine::Error& e) {
-    std::fprintf(stderr, "%s\n", e.told().c_str());
+    std::fprintf(stderr, "%s\n", e.with_prefix().c_str());
     return vitrine::exit_code(e.kind());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: %s\n", e.what());

@@ -36,7 +36,7 @@ TEST(Carving, OccupancyIsTheSoftFormOfInside) {
 
 TEST(Carving, SlackWidensSilhouettesByAsMuch) {
   const std::vector<Silhouette> silhouettes = ball(24);
-  const Carving carving(silhouettes, {.dissent = 0}, true);
+  const Carving carving(silhouettes, {.outlier_share = 0}, true);
   const Vec3d beside{kBallRadius + 0.05, 0, 0};
   EXPECT_FALSE(carving.inside(beside));
   EXPECT_FALSE(carving.inside(beside, 0, 0.02));
@@ -46,12 +46,12 @@ TEST(Carving, SlackWidensSilhouettesByAsMuch) {
 TEST(Carving, UnknownPixelsDoNotContradict) {
   std::vector<Silhouette> silhouettes = ball(24);
   const Vec3d beside{kBallRadius + 0.1, 0, 0};
-  const CarvingRule rule{.dissent = 0, .fewest_views = 0, .seen_share = 0};
+  const CarvingRule rule{.outlier_share = 0, .fewest_views = 0, .seen_share = 0};
   EXPECT_FALSE(Carving(silhouettes, rule).inside(beside));
   for (Silhouette& s : silhouettes)
     for (float& v : s.value.data()) v = v > 0 ? v : -1;
   EXPECT_TRUE(Carving(silhouettes, rule).inside(beside));
-  EXPECT_FALSE(Carving(silhouettes, {.dissent = 0, .fewest_views = 20}).inside(beside)) << "too few photos show it inside";
+  EXPECT_FALSE(Carving(silhouettes, {.outlier_share = 0, .fewest_views = 20}).inside(beside)) << "too few photos show it inside";
 }
 
 }  // namespace

@@ -164,7 +164,7 @@ TEST(RevolutionFit, ItsSilhouetteIsWhatRaysMeet) {
 TEST(RevolutionFit, ItsNormalsAreBetterThanThoseOfAVisualHull) {
   const Vase vase;
   const std::vector<Silhouette> masks = vase.masks(24);
-  const VisualHull hull(masks, {.resolution = 64, .rule = {.dissent = 0}});
+  const VisualHull hull(masks, {.resolution = 64, .rule = {.outlier_share = 0}});
   const FittedShapes fits = fit_shapes(masks, hull);
   ASSERT_FALSE(fits.box);
   ASSERT_EQ(fits.solids.size(), 1u);

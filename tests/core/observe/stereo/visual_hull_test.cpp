@@ -22,7 +22,7 @@ std::vector<Silhouette> ball_masks(int count, double span_rad, const Vec3d& cent
 
 TEST(VisualHull, OfABallHasTheBallsNormals) {
   const std::vector<Silhouette> masks = ball_masks(24, 2 * std::numbers::pi);
-  const VisualHull hull(masks, {.resolution = 64, .rule = {.dissent = 0}});
+  const VisualHull hull(masks, {.resolution = 64, .rule = {.outlier_share = 0}});
   ASSERT_FALSE(hull.empty());
   EXPECT_LT(hull.one_sidedness(), 0.5);
   double angle = 0, distance = 0;
@@ -50,7 +50,7 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
 TEST(VisualHull, IsAsLargeAsTheBall) {
   for (int resolution : {24, 64}) {
     const Bounds3 bounds =
-        VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .rule = {.dissent = 0}}).bounds();
+        VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .rule = {.outlier_share = 0}}).bounds();
     for (size_t i = 0; i < 3; ++i) {
       EXPECT_LT(std::abs(bounds.centre()[i] - kCentre[i]), 0.03);
       EXPECT_NEAR(bounds.high[i] - bounds.low[i], 2 * kRadius, 0.06) << resolution;
@@ -68,7 +68,8 @@ TEST(VisualHull, OfOnePieceKeepsTheLargestPart) {
     const Vec3d eye = view.centre_in_world();
     return hull.first_hit(eye, point - eye).has_value();
   };
-  const HullDesc all{.resolution = 64, .rule = {.dissent = 0}}, one{.resolution = 64, .rule = {.dissent = 0}, .one_piece = true};
+  const HullDesc all{.resolution = 64, .rule = {.outlier_share = 0}},
+      one{.resolution = 64, .rule = {.outlier_share = 0}, .one_piece = true};
   EXPECT_TRUE(shows(VisualHull(masks, all), {-0.35, 0.3, -0.2}));
   EXPECT_FALSE(shows(VisualHull(masks, one), {-0.35, 0.3, -0.2}));
   EXPECT_TRUE(shows(VisualHull(masks, one), kCentre));
@@ -80,13 +81,13 @@ TEST(VisualHull, AFewPhotosWithSomethingInFrontDoNotCutItAway) {
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 48; ++x) masks[m].value.at(x, y) = 0;
   const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
-  EXPECT_NEAR(VisualHull(masks, {.resolution = 48, .rule = {.dissent = 0.1}}).bounds().diagonal(), whole, 0.1 * whole);
-  EXPECT_LT(VisualHull(masks, {.resolution = 48, .rule = {.dissent = 0}}).bounds().diagonal(), 0.9 * whole);
+  EXPECT_NEAR(VisualHull(masks, {.resolution = 48, .rule = {.outlier_share = 0.1}}).bounds().diagonal(), whole, 0.1 * whole);
+  EXPECT_LT(VisualHull(masks, {.resolution = 48, .rule = {.outlier_share = 0}}).bounds().diagonal(), 0.9 * whole);
 }
 
 TEST(VisualHull, PhotosThatDoNotSayCutNothingAway) {
   const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
-  const HullDesc desc{.resolution = 48, .rule = {.dissent = 0.1}};
+  const HullDesc desc{.resolution = 48, .rule = {.outlier_share = 0.1}};
   std::vector<Silhouette> glass = ball_masks(24, 2 * std::numbers::pi), empty = glass;
   for (size_t m = 0; m < glass.size(); m += 3)  // half of the ball, in a third of the photos
     for (int y = 0; y < 80; ++y)
