@@ -3,7 +3,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/config/cli.h"
-#include "core/foundation/config/reference.h"
+#include "core/foundation/config/schema.h"
 #include "pipeline/commands.h"
 #include "pipeline/project.h"
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/config/chart.h"
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"

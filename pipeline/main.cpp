@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/foundation/base/current_folder.h"
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/terminal.h"
 #include "core/foundation/config/text.h"

@@ -9,10 +9,10 @@
 
 #include "core/foundation/artifact/publish.h"
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/hash.h"
-#include "core/foundation/base/inside.h"
 #include "core/foundation/base/log.h"
-#include "core/foundation/config/reference.h"
+#include "core/foundation/config/schema.h"
 #include "core/foundation/config/yaml.h"
 
 namespace vitrine {

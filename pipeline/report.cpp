@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <ctime>
 
-#include "core/foundation/base/events.h"
+#include "core/foundation/base/json.h"
 #include "core/foundation/base/log.h"
-#include "core/foundation/base/machine.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/terminal.h"
-#include "core/foundation/config/reference.h"
+#include "core/foundation/base/timer.h"
+#include "core/foundation/config/schema.h"
 #include "core/foundation/config/text.h"
 
 namespace vitrine {

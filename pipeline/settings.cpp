@@ -8,7 +8,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/log.h"
-#include "core/foundation/config/apply.h"
+#include "core/foundation/config/schema.h"
 #include "core/foundation/config/text.h"
 
 namespace vitrine {

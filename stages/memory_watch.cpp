@@ -5,9 +5,9 @@
 #include <chrono>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/machine.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/terminal.h"
+#include "core/foundation/base/timer.h"
 
 namespace vitrine {
 

@@ -1,9 +1,9 @@
 #include "stages/page_text.h"
 
-#include "core/foundation/base/base64.h"
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/events.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/timer.h"
 #include "stages/stage.h"

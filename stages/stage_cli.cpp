@@ -4,8 +4,6 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/log.h"
-#include "core/foundation/config/apply.h"
-#include "core/foundation/config/reference.h"
 #include "core/foundation/config/schema.h"
 #include "core/foundation/config/text.h"
 

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/camera/viewing_axes.h"
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/camera/view.h"
 #include "pipeline/report_page/html.h"
 
 namespace vitrine {

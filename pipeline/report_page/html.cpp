@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

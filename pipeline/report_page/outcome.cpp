@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/foundation/artifact/publish.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {

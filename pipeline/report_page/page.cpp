@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "core/foundation/base/base64.h"
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
 #include "core/scene/camera/view_set.h"
 #include "pipeline/report_page/assets.h"
 #include "pipeline/report_page/facts.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/foundation/base/base64.h"
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/quantile.h"
 #include "core/scene/image/exr.h"

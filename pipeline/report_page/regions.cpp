@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/math/median.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/ldr.h"

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "pipeline/pages.h"
 #include "pipeline/report_page/html.h"

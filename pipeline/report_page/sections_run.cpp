@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/terminal.h"
 #include "pipeline/report_page/coverage.h"
 #include "pipeline/report_page/html.h"

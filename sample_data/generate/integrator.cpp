@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/foundation/base/parallel.h"
-#include "core/render/model/kernels/refraction.h"
+#include "core/render/model/kernels/mirror.h"
 
 namespace vitrine::generate {
 namespace {

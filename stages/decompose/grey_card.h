@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/image/image.h"
 

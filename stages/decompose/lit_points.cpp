@@ -4,8 +4,8 @@
 #include <unordered_map>
 
 #include "core/foundation/base/rng.h"
+#include "core/render/raster/raster_desc.h"
 #include "core/render/raster/renderer.h"
-#include "core/render/raster/surface_depth.h"
 
 namespace vitrine {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/scene/camera/view.h"
-#include "core/scene/camera/view_split.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"

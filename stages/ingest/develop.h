@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "core/foundation/base/hash.h"
-#include "core/intake/photos/photo_list.h"
-#include "core/scene/image/repair.h"
 #include "core/intake/photos/photo_color.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine::ingest {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene/camera/viewing_axes.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

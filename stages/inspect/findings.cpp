@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 #include "core/foundation/math/median.h"
 
 namespace vitrine {

@@ -3,7 +3,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/inspect/coverage.h"
 #include "stages/inspect/findings.h"

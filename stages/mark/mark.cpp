@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/foundation/base/base64.h"
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/hash.h"

@@ -8,7 +8,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/config/json_file.h"
-#include "core/intake/poses/photo_lenses.h"
+#include "core/intake/poses/photo_orientation.h"
 #include "core/scene/camera/view_masks.h"
 
 namespace vitrine {

@@ -7,8 +7,8 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
-#include "core/intake/poses/photo_lenses.h"
 #include "core/foundation/config/yaml.h"
+#include "core/intake/poses/photo_orientation.h"
 #include "stages/masks/file_source.h"
 #include "stages/masks/outputs.h"
 

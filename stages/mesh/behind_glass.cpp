@@ -5,11 +5,11 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
+#include "core/render/model/glass_segments.h"
 #include "core/scene/mesh/clean_openmesh.h"
-#include "core/scene/mesh/iso_surface.h"
-#include "core/scene/mesh/mesh_topology.h"
-#include "core/render/model/glass_mesh.h"
 #include "core/scene/mesh/mesh_hits.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/scene/mesh/tsdf_volume.h"
 
 namespace vitrine {
 

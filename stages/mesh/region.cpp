@@ -5,9 +5,9 @@
 #include <iterator>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/viewing_axes.h"
 #include "core/foundation/math/median.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

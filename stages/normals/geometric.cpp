@@ -7,10 +7,10 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/observe/stereo/patch_match.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "core/observe/stereo/stereo_photos.h"
 #include "stages/normals/plane_fit.h"
 
 namespace vitrine {

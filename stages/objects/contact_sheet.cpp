@@ -7,7 +7,6 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
-#include "core/scene/image/bitmap_font.h"
 #include "core/scene/image/contact_sheet.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"

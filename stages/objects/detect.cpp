@@ -6,7 +6,6 @@
 #include "core/foundation/base/parallel.h"
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_topology.h"
-#include "core/observe/stereo/mesh_fit.h"
 #include "core/observe/stereo/shape_fit.h"
 #include "stages/objects/appendages.h"
 #include "stages/objects/fine_hull.h"
@@ -68,7 +67,7 @@ void add_hull(const VisualHull& hull, ShapeRole role, ShapeSet& set) {
                          .exact = false});
 }
 
-// Free-form shape: a closed mesh fitted to the silhouettes (core/observe/stereo/mesh_fit.h), initialised from the visual hull.
+// Free-form shape: a closed mesh fitted to the silhouettes (core/observe/stereo/shape_fit.h), initialised from the visual hull.
 std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole role) {
   TriMesh start = hull_mesh(object.hull);
   if (start.faces.empty()) return std::nullopt;

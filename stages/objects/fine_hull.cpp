@@ -6,8 +6,8 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/voxel_grid.h"
 #include "core/scene/mesh/clean_openmesh.h"
-#include "core/scene/mesh/iso_surface.h"
 #include "core/scene/mesh/mesh_topology.h"
+#include "core/scene/mesh/tsdf_volume.h"
 
 namespace vitrine {
 

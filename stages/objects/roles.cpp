@@ -8,7 +8,7 @@
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/resample.h"
-#include "core/scene/shape/surface_samples.h"
+#include "core/scene/shape/shape_set.h"
 #include "stages/objects/detect.h"
 
 namespace vitrine {

@@ -5,9 +5,8 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/color.h"
-#include "core/observe/stereo/bare_walls.h"
-#include "core/observe/stereo/extend_planes.h"
-#include "core/observe/stereo/stereo_photos.h"
+#include "core/observe/stereo/scene_planes.h"
+#include "core/observe/stereo/patch_match.h"
 
 namespace vitrine {
 

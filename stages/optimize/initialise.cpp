@@ -7,9 +7,9 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/median.h"
-#include "core/foundation/math/orthonormal_basis.h"
-#include "core/scene/surfels/activation.h"
+#include "core/foundation/math/vec.h"
 #include "core/observe/stereo/borrowed_depth.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/neighbours.h"
 

@@ -7,13 +7,13 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
-#include "core/scene/camera/projection.h"
 #include "core/foundation/math/rigid.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/image_model.h"
-#include "core/render/model/opened_scene.h"
 #include "core/learn/optim/adam.h"
-#include "core/render/raster/surface_depth.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/opened_scene.h"
+#include "core/render/model/surface_pass.h"
+#include "core/render/raster/raster_desc.h"
+#include "core/scene/camera/projection.h"
 #include "core/scene/surfels/activation.h"
 #include "stages/optimize/clear_panes.h"
 #include "stages/optimize/flat_mirrors.h"
@@ -115,7 +115,7 @@ void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, fl
   for (size_t c = 0; c < 2; ++c) to.at(Attribute::LogScale, j)[c] += std::log(growth);
 }
 
-// Standard deviation of the rasteriser's screen-space low-pass (core/render/raster/kernels/constants.h: exp(-d^2)), in world
+// Standard deviation of the rasteriser's screen-space low-pass (core/render/raster/kernels/scalar_ops.h: exp(-d^2)), in world
 // units at `p`: the mean over the photos that show it. Rays have no low-pass, so smaller copies would appear smaller than in the
 // rasterised picture.
 float pixel_footprint(const Capture& capture, const Vec3d& p) {

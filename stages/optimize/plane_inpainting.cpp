@@ -6,13 +6,13 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/scene/light/environment.h"
-#include "core/foundation/math/orthonormal_basis.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/image_model.h"
-#include "core/render/model/opened_scene.h"
+#include "core/foundation/math/vec.h"
 #include "core/learn/optim/adam.h"
-#include "core/render/raster/surface_depth.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/opened_scene.h"
+#include "core/render/model/surface_pass.h"
+#include "core/render/raster/raster_desc.h"
+#include "core/scene/light/environment.h"
 #include "core/scene/surfels/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"

@@ -7,10 +7,10 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/camera/projection.h"
 #include "core/foundation/math/median.h"
-#include "core/foundation/math/orthonormal_basis.h"
 #include "core/foundation/math/quantile.h"
+#include "core/foundation/math/vec.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/shape/surface_samples.h"
+#include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
-#include "core/scene/camera/passes.h"
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/targets.h"
+#include "core/scene/camera/scene_info.h"
 #include "stages/optimize/dense_depth.h"
 
 namespace vitrine {

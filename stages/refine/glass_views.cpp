@@ -1,9 +1,9 @@
 #include "stages/refine/glass_views.h"
 
 #include "core/foundation/base/process.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/image_model.h"
-#include "core/render/raster/surface_depth.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/surface_pass.h"
+#include "core/render/raster/raster_desc.h"
 
 namespace vitrine {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/foundation/base/process.h"
-#include "core/scene/image/metrics.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/image_model.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/surface_pass.h"
 #include "core/render/picture/view_picture.h"
+#include "core/scene/image/metrics.h"
 
 namespace vitrine {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/viewing_axes.h"
 #include "core/foundation/math/median.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

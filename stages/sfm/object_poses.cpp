@@ -8,9 +8,9 @@
 
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
-#include "core/intake/poses/compacted.h"
-#include "core/scene/camera/projection.h"
 #include "core/foundation/math/quantile.h"
+#include "core/intake/poses/colmap_repair.h"
+#include "core/scene/camera/projection.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/sfm.h"

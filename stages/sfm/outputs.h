@@ -45,7 +45,7 @@ void write_match_matrix(const std::filesystem::path& path, const Reconstruction&
 
 void write_sfm_report(const std::filesystem::path& path, const SfmReportDesc& desc);
 // Writes the original and undistorted lenses, the photos without a camera, and whether the flash of the camera fired in most of
-// `photos`; read by core/intake/poses/photo_lenses.h.
+// `photos`; read by core/intake/poses/photo_orientation.h.
 void write_lenses(const std::filesystem::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
                   const Reconstruction& reconstruction, std::span<const Photo> photos);
 

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/intake/poses/compacted.h"
 #include "core/foundation/math/quantile.h"
+#include "core/intake/poses/colmap_repair.h"
 
 namespace vitrine {
 

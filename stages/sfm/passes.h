@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "core/scene/camera/colmap_model.h"
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 #include "stages/sfm/reconstruct.h"
 
 namespace vitrine {

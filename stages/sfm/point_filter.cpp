@@ -7,9 +7,9 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
-#include "core/intake/poses/compacted.h"
 #include "core/foundation/math/kd_tree.h"
 #include "core/foundation/math/median.h"
+#include "core/intake/poses/colmap_repair.h"
 
 namespace vitrine {
 

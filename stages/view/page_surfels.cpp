@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/scene/light/octahedral.h"
 #include "core/render/model/opened_scene.h"
 #include "core/render/model/sheet_pass.h"
+#include "core/scene/light/environment.h"
 #include "core/scene/surfels/activation.h"
 
 namespace vitrine {

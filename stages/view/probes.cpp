@@ -6,9 +6,9 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/light/octahedral.h"
 #include "core/foundation/math/quantile.h"
 #include "core/render/model/opened_scene.h"
+#include "core/scene/light/environment.h"
 
 namespace vitrine {
 

@@ -2,9 +2,9 @@
 // directions (core/render/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance from the
 // centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection layer.)
 //
-// Directions: octahedral map (core/scene/light/octahedral.h).
+// Directions: octahedral map (core/scene/light/environment.h).
 //
-// Directions by the octahedral map (core/scene/light/octahedral.h).
+// Directions by the octahedral map (core/scene/light/environment.h).
 #pragma once
 
 #include <vector>

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 
-#include "core/foundation/base/base64.h"
 #include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/math/color.h"
 #include "core/render/relight/relit_painter.h"
 #include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view.h"
 #include "core/scene/camera/view_set.h"
-#include "core/scene/camera/view_split.h"
-#include "core/scene/camera/viewing_axes.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/foundation/base/rng.h"
-#include "core/scene/mesh/iso_surface.h"
 #include "core/scene/mesh/mesh_distance.h"
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/mesh/tsdf_volume.h"
 #include "tests/core/scene/mesh/orbit.h"
 
 namespace vitrine {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/foundation/base/rng.h"
-#include "core/render/model/display_pass.h"
+#include "core/render/model/composite_pass.h"
 #include "core/render/model/layered_model.h"
 #include "core/scene/surfels/activation.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/timer.h"
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/ingest/ingest.h"
 #include "stages/sfm/sfm.h"

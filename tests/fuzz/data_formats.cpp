@@ -11,12 +11,12 @@
 #include <ImfRgbaFile.h>
 
 #include "core/intake/masks/mask_files.h"
+#include "core/learn/loss/feature_network.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/light/environment.h"
-#include "core/learn/loss/feature_network.h"
 #include "core/scene/mesh/mesh_io.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/ingest/develop.h"
 #include "stages/normals/network.h"
 #include "tests/fuzz/entry.h"

@@ -1,16 +1,16 @@
 // What fuzzing and reading the parsers found: what would crash, take memory without end, or leave the project's folder.
 #include <gtest/gtest.h>
 
-#include "core/intake/poses/given_poses.h"
+#include "core/foundation/config/yaml.h"
 #include "core/intake/masks/mask_files.h"
 #include "core/intake/photos/photo_list.h"
+#include "core/intake/poses/given_poses.h"
+#include "core/learn/loss/feature_network.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
-#include "core/foundation/config/yaml.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/scene/light/radiance_hdr.h"
-#include "core/learn/loss/safetensors.h"
+#include "core/scene/light/environment.h"
 #include "tests/fuzz/entry.h"
 #include "tests/support/error_of.h"
 

@@ -2,7 +2,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/scene/objects/object_set.h"
-#include "core/scene/shape/registry.h"
+#include "core/scene/shape/shape_file.h"
 #include "tests/fuzz/entry.h"
 #include "tests/fuzz/formats.h"
 

@@ -1,9 +1,9 @@
 // YAML and JSON files: configurations, lights, marks, edits; the records that stages leave for each other and for the report.
 #include "core/foundation/artifact/manifest.h"
+#include "core/foundation/config/schema.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/scene_info.h"
-#include "core/scene/camera/view_split.h"
-#include "core/foundation/config/apply.h"
+#include "core/scene/camera/view_set.h"
 #include "core/scene/light/lighting.h"
 #include "pipeline/report_page/facts.h"
 #include "stages/edit/edit_list.h"

@@ -44,7 +44,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        {"core/render/raster/kernels/project.h",  // differentiable, of the homography of a surfel
         "core/observe/stereo/edge_field.cpp",     // on x / z, which its derivative needs, too
         "core/observe/stereo/patch_score.cpp"}},  // the matrix of a homography
-      {"orthonormal_basis() of core/foundation/math/orthonormal_basis.h",
+      {"orthonormal_basis() of core/foundation/math/vec.h",
        "core/foundation/math/",
        R"(abs\(.*\? Vec3[df]\{[01], [01], [01]\})",
        "const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};",

@@ -1,12 +1,12 @@
 // view.html in headless Chromium, from file://: its pictures against those of the programs, and what a person does with it.
 #include <gtest/gtest.h>
 
-#include "core/scene/camera/camera_path.h"
+#include "core/render/picture/view_picture.h"
+#include "core/render/relight/relit_painter.h"
+#include "core/scene/camera/transforms_file.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/metrics.h"
 #include "core/scene/light/lighting.h"
-#include "core/render/picture/view_picture.h"
-#include "core/render/relight/relit_painter.h"
 #include "stages/page_text.h"
 #include "stages/view/photo_coverage.h"
 #include "stages/view/view.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include "core/foundation/base/events.h"
 #include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
 #include "tests/pipeline/sandbox.h"
 #include "tests/support/json_schema.h"
 
@@ -129,7 +129,7 @@ TEST(EventsSchema, ChangesWithItsVersionOnly) {
     if (words >> version) words >> digests[version];
   }
   EXPECT_EQ(digests[kEventsVersion], sha256_hex(schema))
-      << "the schema changed: raise kEventsVersion (core/foundation/base/events.h) and add a line to configs/events.digests";
+      << "the schema changed: raise kEventsVersion (core/foundation/base/json.h) and add a line to configs/events.digests";
   EXPECT_EQ(digests.rbegin()->first, kEventsVersion);
   const auto parsed = nlohmann::json::parse(schema);
   for (const auto& record : parsed.at("oneOf")) EXPECT_EQ(record.at("properties").at("v").at("const"), kEventsVersion);

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "core/foundation/base/events.h"
+#include "core/foundation/base/json.h"
 #include "core/foundation/base/timer.h"
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"

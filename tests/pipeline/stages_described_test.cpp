@@ -9,7 +9,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
-#include "core/foundation/config/apply.h"
+#include "core/foundation/config/schema.h"
 #include "pipeline/settings.h"
 #include "tests/pipeline/built_stages.h"
 #include "tests/support/error_of.h"

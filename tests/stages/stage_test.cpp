@@ -12,7 +12,6 @@
 
 #include "core/foundation/artifact/publish.h"
 #include "core/foundation/artifact/store.h"
-#include "core/foundation/base/events.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
 #include "stages/stage_cli.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/foundation/base/file.h"
-#include "core/foundation/config/apply.h"
+#include "core/foundation/config/schema.h"
 #include "stages/stage.h"
 
 namespace vitrine::test {

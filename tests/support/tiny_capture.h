@@ -7,13 +7,13 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
+#include "core/render/raster/renderer.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/mesh/mesh_io.h"
-#include "core/render/raster/renderer.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "tests/support/spheres.h"
 
 namespace vitrine::test {

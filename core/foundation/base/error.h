@@ -6,6 +6,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -63,6 +64,13 @@ class Error : public std::exception {
 };
 
 [[noreturn]] void check_failed(const char* file, int line, const char* condition, const std::string& message);
+
+// Notes of file readers: assumptions and omissions. A stage reports them as warnings; `vitrine inspect` prints them.
+struct Note {
+  std::string code;  // stable warning identifier; empty: information only
+  std::string text;  // one sentence
+};
+using Notes = std::vector<Note>;
 
 }  // namespace vitrine
 

@@ -32,4 +32,12 @@ inline std::string cause_of(const nlohmann::json::exception& error) {
   return std::string(text);
 }
 
+// Base64 encoding (RFC 4648, with padding).
+std::string base64(std::string_view bytes);
+
+// Event records of a run (events.jsonl, --log-format json), one JSON object per line, written by stages (stages/reporter.h) and
+// the pipeline (pipeline/report.h). configs/events.schema.json lists the fields of each type. A schema change requires a new
+// version: configs/events.digests contains the schema digest of every version, checked by a test.
+inline constexpr int kEventsVersion = 2;  // version 2 added plan, checkpoint
+
 }  // namespace vitrine

@@ -10,7 +10,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/json.h"
 
 namespace vitrine {

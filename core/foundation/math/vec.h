@@ -77,4 +77,22 @@ template <class T> Vec3<T> transposed_times(const Mat3<T>& m, const Vec3<T>& v) 
 template <class T> T determinant(const Mat3<T>& m) { return dot(m.c0, cross(m.c1, m.c2)); }
 template <class To, class From> Mat3<To> cast(const Mat3<From>& m) { return {cast<To>(m.c0), cast<To>(m.c1), cast<To>(m.c2)}; }
 
+// Orthonormal basis of a unit vector n: unit vectors u, v with u x v = n.
+//
+// u = a x n, normalised, with the coordinate axis a of index `axis` (0 = x, 1 = y, 2 = z), or the next axis cyclically if n is
+// within 26 degrees of a. Without `axis` u is horizontal, unless n is almost vertical.
+template <class T>
+struct OrthonormalBasis {
+  Vec3<T> u, v;
+};
+
+template <class T>
+OrthonormalBasis<T> orthonormal_basis(const Vec3<T>& n, size_t axis = 2) {
+  using std::abs;
+  Vec3<T> a{};
+  a[abs(n[axis]) < T(0.9) ? axis : (axis + 1) % 3] = T(1);
+  const Vec3<T> u = normalized(cross(a, n));
+  return {u, cross(n, u)};
+}
+
 }  // namespace vitrine

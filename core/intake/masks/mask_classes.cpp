@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 #include "core/foundation/config/text.h"
 
 namespace vitrine {

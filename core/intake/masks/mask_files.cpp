@@ -7,8 +7,6 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/folder_files.h"
-#include "core/foundation/base/inside.h"
-#include "core/foundation/base/utf8.h"
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/intake/masks/mask_classes.h"

@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/foundation/base/note.h"
+#include "core/foundation/base/error.h"
 #include "core/scene/camera/mask_class.h"
 #include "core/scene/image/image.h"
 

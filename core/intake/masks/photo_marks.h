@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/camera/view.h"
-#include "core/foundation/config/yaml_reader.h"
+#include "core/foundation/config/yaml.h"
 #include "core/foundation/math/vec.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/foundation/base/utf8.h"
 
 namespace vitrine {
 

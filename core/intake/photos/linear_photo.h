@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "core/scene/image/image.h"
-#include "core/scene/image/repair.h"
 #include "core/intake/photos/photo_files.h"
+#include "core/scene/image/image.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 

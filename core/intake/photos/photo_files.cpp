@@ -5,7 +5,6 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/utf8.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/picture_file.h"
 #include "core/intake/photos/sorted_pictures.h"

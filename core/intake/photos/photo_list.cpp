@@ -1,7 +1,7 @@
 #include "core/intake/photos/photo_list.h"
 
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/config/json_file.h"
 
 namespace vitrine {

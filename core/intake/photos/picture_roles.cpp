@@ -1,5 +1,5 @@
 #include "core/intake/photos/picture_roles.h"
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 
 #include <algorithm>
 #include <cctype>

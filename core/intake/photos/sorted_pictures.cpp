@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
+#include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
-#include "core/foundation/base/utf8.h"
 #include "core/intake/photos/picture_content.h"
 
 namespace vitrine {

@@ -1,6 +1,7 @@
 #include "core/intake/poses/colmap_repair.h"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include <fmt/format.h>
@@ -53,6 +54,64 @@ ColmapRepairs drop_dangling_references(ColmapModel& model) {
       ++repairs.disagreeing;
     }
   return repairs;
+}
+
+ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep) {
+  std::map<uint32_t, size_t> image_at;
+  for (size_t i = 0; i < model.images.size(); ++i) image_at[model.images[i].id] = i;
+  // New index of every 2D point that still has a 3D point.
+  constexpr uint32_t kGone = ~uint32_t{0};
+  std::vector<std::vector<uint32_t>> new_index(model.images.size());
+  std::vector<ColmapPoint3D> kept;
+  for (ColmapPoint3D& p : model.points) {
+    std::erase_if(p.track, [&](const ColmapTrackElement& t) {
+      return model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id != p.id;
+    });
+    if (!keep(p)) {
+      for (const ColmapTrackElement& t : p.track)
+        model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id = kNoPoint3D;
+      continue;
+    }
+    const uint64_t id = kept.size() + 1;
+    for (const ColmapTrackElement& t : p.track) {
+      ColmapImage& image = model.images[image_at.at(t.image_id)];
+      std::vector<uint32_t>& index = new_index[image_at.at(t.image_id)];
+      index.resize(image.points.size(), kGone);
+      index[t.point2d_index] = 0;  // marked; numbered below
+    }
+    p.id = id;
+    kept.push_back(std::move(p));
+  }
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    new_index[i].resize(model.images[i].points.size(), kGone);
+    std::vector<ColmapPoint2D> left;
+    for (size_t k = 0; k < new_index[i].size(); ++k) {
+      if (new_index[i][k] == kGone) continue;
+      new_index[i][k] = static_cast<uint32_t>(left.size());
+      left.push_back(model.images[i].points[k]);
+    }
+    model.images[i].points = std::move(left);
+  }
+  for (ColmapPoint3D& p : kept)
+    for (ColmapTrackElement& t : p.track) {
+      const size_t i = image_at.at(t.image_id);
+      t.point2d_index = new_index[i][t.point2d_index];
+      model.images[i].points[t.point2d_index].point3d_id = p.id;
+    }
+  model.points = std::move(kept);
+  return model;
+}
+
+ColmapModel without_images(ColmapModel model, const std::set<uint32_t>& images) {
+  std::erase_if(model.images, [&](const ColmapImage& image) { return images.contains(image.id); });
+  for (ColmapPoint3D& p : model.points)
+    std::erase_if(p.track, [&](const ColmapTrackElement& t) { return images.contains(t.image_id); });
+  model = compacted(std::move(model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
+  std::erase_if(model.cameras, [&](const ColmapCamera& camera) {
+    return std::none_of(model.images.begin(), model.images.end(),
+                        [&](const ColmapImage& image) { return image.camera_id == camera.id; });
+  });
+  return model;
 }
 
 }  // namespace vitrine

@@ -1,6 +1,9 @@
 // Drops dangling references from COLMAP models that were thinned by hand or assembled by scripts. COLMAP reads such models too.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <set>
 #include <string>
 
 #include "core/scene/camera/colmap_model.h"
@@ -21,5 +24,14 @@ struct ColmapRepairs {
 
 // After the call every reference is valid in both directions. `model` is sorted by ids.
 ColmapRepairs drop_dangling_references(ColmapModel& model);
+
+// Removes points or images from a COLMAP model and renumbers the rest.
+
+// Keeps the points for which `keep` holds. Removes 2D points without a 3D point, renumbers ids to 1..n and updates the tracks.
+// Observations whose 2D point has lost its 3D point are removed from the tracks first.
+ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep);
+
+// Removes these images (ids), points seen by fewer than two of the rest, and unused cameras.
+ColmapModel without_images(ColmapModel model, const std::set<uint32_t>& images);
 
 }  // namespace vitrine

@@ -10,9 +10,8 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/log.h"
-#include "core/intake/poses/compacted.h"
+#include "core/intake/poses/colmap_repair.h"
 #include "core/intake/poses/named_poses.h"
-#include "core/intake/poses/photo_finder.h"
 #include "core/intake/poses/pose_files.h"
 #include "core/scene/camera/colmap_lens.h"
 

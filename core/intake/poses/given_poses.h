@@ -1,15 +1,15 @@
 // Reads user-supplied camera poses: a COLMAP model (bin or txt), a transforms.json, or a folder of 3x4 projection matrices.
-// pose_files.h selects the file, photo_finder.h resolves photo names. Cameras are scaled to the ingested photo size.
+// pose_files.h selects the file and resolves photo names. Cameras are scaled to the ingested photo size.
 #pragma once
 
 #include <filesystem>
 #include <span>
 #include <vector>
 
-#include "core/foundation/base/note.h"
-#include "core/scene/camera/colmap_model.h"
+#include "core/foundation/base/error.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/pose_pixels.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 

@@ -10,7 +10,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/intake/poses/colmap_repair.h"
-#include "core/intake/poses/photo_finder.h"
+#include "core/intake/poses/pose_files.h"
 #include "core/scene/camera/transforms_file.h"
 
 namespace vitrine {

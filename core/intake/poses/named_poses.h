@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "core/foundation/base/note.h"
-#include "core/scene/camera/colmap_model.h"
+#include "core/foundation/base/error.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/pose_files.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "core/intake/poses/photo_finder.h"
+#include "core/intake/poses/pose_files.h"
 
 #include <cstdlib>
 #include <map>

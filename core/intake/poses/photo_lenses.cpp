@@ -1,4 +1,4 @@
-#include "core/intake/poses/photo_lenses.h"
+#include "core/intake/poses/photo_orientation.h"
 
 #include <algorithm>
 #include <map>

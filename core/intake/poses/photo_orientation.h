@@ -8,8 +8,14 @@
 // Orientations 2, 4, 5 and 7 also mirror: then diag(S, 1) is no rotation, and a pose exists only in a mirrored world.
 #pragma once
 
-#include "core/scene/camera/colmap_model.h"
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/undistort.h"
+#include "core/scene/camera/view_set.h"
 
 namespace vitrine {
 
@@ -31,5 +37,15 @@ ColmapCamera upright_camera(const ColmapCamera& stored, int orientation);
 // Orientations that mirror need a mirrored world too: x becomes -x.
 Rigid upright_pose(const Rigid& cam_from_world, int orientation);
 Vec3d mirrored_world(const Vec3d& place);
+
+// Undistortion of the photos of an sfm artifact: maps pixels of the original photos, where users mark regions, to pixels of the
+// undistorted cameras, and masks of the cameras back to the photos.
+struct PhotoLenses {
+  std::vector<Undistortion> undistortions;  // [view] from the ingested original photo to the undistorted one
+  std::vector<std::string> without_camera;  // photos without a pose
+  bool camera_flash = false;                // the flash of the camera fired in most photos (EXIF)
+};
+// `set`: the views of the folder. Without a report an sfm artifact is assumed free of distortion. Throws Error{Input}.
+PhotoLenses read_photo_lenses(const std::filesystem::path& sfm_folder, const ViewSet& set);
 
 }  // namespace vitrine

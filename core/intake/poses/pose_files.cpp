@@ -11,7 +11,6 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/utf8.h"
 #include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {

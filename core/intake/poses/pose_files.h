@@ -3,7 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
+
+#include "core/foundation/config/photo_name_finder.h"
+#include "core/intake/photos/photo_list.h"
 
 namespace vitrine {
 
@@ -25,5 +30,18 @@ std::vector<std::filesystem::path> picture_folders(const PoseFile& file);
 
 // P/*.txt, or the *.txt and *.P of the folder itself; sorted.
 std::vector<std::filesystem::path> matrix_files(const std::filesystem::path& folder);
+
+// Finds the photos of a capture by the names used in external files (core/foundation/config/photo_name_finder.h).
+
+// Photos are found by their path below the user's photo folder and by their own name.
+class PhotoFinder : public PhotoNameFinder {
+ public:
+  explicit PhotoFinder(std::span<const Photo> photos);
+};
+
+// Groups photos that are versions of one picture, as data sets store them: "images_2/a.jpg" has half the size of
+// "images/a.jpg", and 3D Gaussian splatting's script undistorts "input/a.jpg" into "images/a.jpg". Per photo: the first of its
+// versions, possibly itself.
+std::vector<size_t> first_versions(std::span<const Photo> photos);
 
 }  // namespace vitrine

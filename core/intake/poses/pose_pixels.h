@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/foundation/base/note.h"
+#include "core/foundation/base/error.h"
 #include "core/intake/poses/photo_orientation.h"
 
 namespace vitrine {

@@ -1,7 +1,7 @@
 // Depth distortion (Huang et al. 2024, "2D Gaussian Splatting", eq. 13; algorithms 1.6):  L = mean_p dist_p, the rasteriser's
 // channel.
 #include "core/learn/loss/loss.h"
-#include "core/learn/loss/row_sum.h"
+#include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 

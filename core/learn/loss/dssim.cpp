@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/learn/loss/loss.h"
-#include "core/learn/loss/row_sum.h"
 #include "core/learn/loss/ssim_kernel.h"
+#include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 

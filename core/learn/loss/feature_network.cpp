@@ -12,7 +12,6 @@
 #include <dnnl.hpp>
 
 #include "core/foundation/base/error.h"
-#include "core/learn/loss/safetensors.h"
 
 namespace vitrine {
 

@@ -7,8 +7,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace vitrine {
@@ -40,5 +42,14 @@ class FeatureNetwork {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Reader of float32 tensors from a safetensors file: 8 bytes length of the header (little endian), a JSON header {"name":
+// {"dtype": "F32", "shape": [...], "data_offsets": [begin, end]}, ...}, then the bytes of the tensors.
+struct Tensor {
+  std::vector<size_t> shape;
+  std::vector<float> values;
+};
+// Reads the tensors whose name starts with `prefix`. Throws Error{Input} with file and cause.
+std::map<std::string, Tensor> read_safetensors(const std::filesystem::path& path, const std::string& prefix);
 
 }  // namespace vitrine

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/learn/loss/loss.h"
-#include "core/learn/loss/row_sum.h"
+#include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 

@@ -7,7 +7,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/learn/loss/loss.h"
-#include "core/learn/loss/row_sum.h"
+#include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 

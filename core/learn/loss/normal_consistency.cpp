@@ -6,7 +6,7 @@
 
 #include "core/learn/loss/loss.h"
 #include "core/learn/loss/normal_kernel.h"
-#include "core/learn/loss/row_sum.h"
+#include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 

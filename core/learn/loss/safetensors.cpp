@@ -1,4 +1,4 @@
-#include "core/learn/loss/safetensors.h"
+#include "core/learn/loss/feature_network.h"
 
 #include <cmath>
 #include <cstdint>

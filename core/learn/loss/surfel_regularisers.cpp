@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/learn/loss/loss.h"
-#include "core/learn/loss/row_sum.h"
+#include "core/learn/loss/target_mask.h"
 #include "core/scene/surfels/activation.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "core/observe/network/onnx_graph.h"
+#include "core/observe/network/photo_network.h"
 
 #include <algorithm>
 #include <array>

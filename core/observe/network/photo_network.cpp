@@ -8,7 +8,6 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/hash.h"
 #include "core/foundation/config/describe.h"
-#include "core/observe/network/onnx_graph.h"
 
 namespace vitrine {
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,5 +79,13 @@ class PhotoNetwork {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Reads the operators of an ONNX graph without running it. OpenCV's importer crashes on some operators and computes others
+// wrongly without an error, so only networks whose operators are all known to be correct are accepted.
+
+// Throws Error{Input} naming `where` when the bytes are not a complete ONNX model with a graph.
+std::set<std::string> onnx_operators(std::string_view model, const std::string& where);
+// The operators that OpenCV 4.6 does not support or computes wrongly.
+std::vector<std::string> unsupported_operators(const std::set<std::string>& operators);
 
 }  // namespace vitrine

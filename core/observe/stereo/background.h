@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/observe/stereo/edge_field.h"
+#include "core/observe/stereo/patch_match.h"
 #include "core/observe/stereo/scene_planes.h"
-#include "core/observe/stereo/stereo_photos.h"
 #include "core/observe/stereo/visual_hull.h"
 
 namespace vitrine {

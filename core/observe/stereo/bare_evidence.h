@@ -1,4 +1,4 @@
-// Photometric cost of a plane in textureless pixels without reliable depth (bare_walls.h): brightness difference to other
+// Photometric cost of a plane in textureless pixels without reliable depth (scene_planes.h): brightness difference to other
 // photos warped through the plane, averaged over regions without edges, each of which shows one surface.
 #pragma once
 

@@ -1,4 +1,4 @@
-#include "core/observe/stereo/bare_walls.h"
+#include "core/observe/stereo/scene_planes.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,3 @@
-#include "core/observe/stereo/extend_planes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/observe/stereo/mask_pieces.h"
+#include "core/observe/stereo/silhouette.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/observe/stereo/mesh_fit.h"
+#include "core/observe/stereo/shape_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/camera/projection.h"
-#include "core/observe/stereo/mask_pieces.h"
-#include "core/observe/stereo/plane_candidates.h"
+#include "core/observe/stereo/plane_fit.h"
 #include "core/observe/stereo/plane_silhouette.h"
+#include "core/observe/stereo/silhouette.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine {
 

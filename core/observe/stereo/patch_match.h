@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/camera/view.h"
+#include "core/scene/camera/view_set.h"
 #include "core/scene/image/image.h"
 
 namespace vitrine {
@@ -51,5 +51,17 @@ std::vector<DepthMap> patch_match(std::span<const StereoPhoto> photos, const Pat
 // Fills `agreeing` and `trusted`: a pixel's point, projected to a neighbour, must lie on the neighbour's surface (2 % of the
 // depth, and within 1.5 pixels when projected back). One consistent neighbour and a good score make a pixel reliable.
 void count_agreement(std::span<const StereoPhoto> photos, std::span<DepthMap> maps);
+
+// Input of PatchMatch stereo for each photo, from the poses and sparse points of a capture.
+
+// Depth of the far background, in radii of the camera ring: cameras of a ring see it at most 1.1 degrees apart.
+inline constexpr double kWithoutParallax = 100;
+
+// Luma of Rec. 709 on encoded values. [h,w,3] -> [h,w,1].
+ImageF luma_of_srgb(const ImageF& srgb);
+
+// Fills `hints`, `near_z` and `far_z` of the photos that have a picture, from the sparse points that they see: [view of `set`].
+// `far_factor`: factor on the depth of the farthest points.
+void find_depth_ranges(const ViewSet& set, double far_factor, std::span<StereoPhoto> photos);
 
 }  // namespace vitrine

@@ -6,7 +6,6 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/pattern_search.h"
 #include "core/observe/stereo/box_fit.h"
-#include "core/observe/stereo/plane_candidates.h"
 #include "core/observe/stereo/plane_silhouette.h"
 
 namespace vitrine {

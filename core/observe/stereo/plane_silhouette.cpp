@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/observe/stereo/silhouette.h"
 #include "core/scene/camera/projection.h"
-#include "core/observe/stereo/mask_pieces.h"
 
 namespace vitrine {
 

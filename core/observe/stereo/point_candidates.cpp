@@ -6,11 +6,11 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
-#include "core/scene/camera/projection.h"
 #include "core/foundation/math/connected_components.h"
-#include "core/foundation/math/orthonormal_basis.h"
-#include "core/observe/stereo/mask_pieces.h"
-#include "core/observe/stereo/plane_candidates.h"
+#include "core/foundation/math/vec.h"
+#include "core/observe/stereo/plane_fit.h"
+#include "core/observe/stereo/silhouette.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine {
 

@@ -1,4 +1,3 @@
-#include "core/observe/stereo/revolution_edges.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +5,9 @@
 #include <vector>
 
 #include "core/foundation/base/parallel.h"
+#include "core/observe/stereo/revolution_fit.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/resample.h"
-#include "core/observe/stereo/revolution_axis.h"
 
 namespace vitrine {
 

@@ -8,11 +8,10 @@
 #include <optional>
 
 #include "core/foundation/base/parallel.h"
-#include "core/scene/camera/projection.h"
 #include "core/foundation/math/connected_components.h"
-#include "core/foundation/math/orthonormal_basis.h"
 #include "core/foundation/math/quantile.h"
-#include "core/observe/stereo/revolution_axis.h"
+#include "core/foundation/math/vec.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine {
 

@@ -42,4 +42,27 @@ Vec3d normal_towards_camera(const Intrinsics& k, const InversePlane& plane);
 // to those on the fitted plane. Returns the pixel's own plane where the fit is underdetermined.
 InversePlane fitted_plane(const Intrinsics& k, const DepthMap& map, int x, int y);
 
+// Plane sweep for textureless walls and floors, which scene_planes.h misses because stereo finds no depth in their middle.
+// Borders and shading constrain them: warped through the correct plane, pixels without reliable depth match the other photos
+// better than at any other depth or at infinity. The search covers planes that bound all cameras and all stereo points: vertical
+// walls, and a floor where stereo found none. A plane is accepted only if moving or turning it makes the match worse, which
+// rejects the sky.
+
+// Planes in addition to `planes` (scene_planes()), at most six, those with the largest gain first. Call count_agreement() on
+// `maps` first. The result does not depend on the number of threads.
+std::vector<ScenePlane> bare_walls(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps,
+                                   std::span<const ScenePlane> planes);
+
+// Fills the pixels of a depth map that stereo left unreliable (a wall behind an object, a border that only one photo sees,
+// textureless plaster). Candidates per pixel: the planes of the nearest reliable pixels (nearest along paths that avoid
+// brightness edges, so that a wall is extended from the wall and not from the vase in front of it), a large plane of the scene
+// within a few of its own extents, or the far background (the sky above the wall, at background_z). The cost is the brightness
+// residual in the other photos plus a penalty for occluding their reliable surfaces; costs are filtered over similar pixels and
+// the cheapest candidate is used (Hosni et al., "Fast Cost-Volume Filtering for Visual Correspondence and Beyond", 2013).
+
+// The map of photo `index` with zdepth and normal replaced where pixels are not reliable(). A map without reliable pixels is
+// returned unchanged.
+DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, std::span<const ScenePlane> planes,
+                  size_t index);
+
 }  // namespace vitrine

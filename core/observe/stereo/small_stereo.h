@@ -4,9 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/camera/view_set.h"
 #include "core/observe/stereo/background.h"
 #include "core/observe/stereo/edge_field.h"
+#include "core/observe/stereo/patch_match.h"
+#include "core/scene/camera/view_set.h"
 
 namespace vitrine {
 

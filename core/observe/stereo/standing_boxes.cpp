@@ -1,4 +1,3 @@
-#include "core/observe/stereo/standing_boxes.h"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,6 @@
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
 #include "core/render/model/thick_glass.h"
-#include "core/scene/surfels/scene_io.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "core/scene/shape/shape_set.h"
 

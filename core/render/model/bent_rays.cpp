@@ -5,7 +5,7 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/render/model/gbuffer.h"
-#include "core/render/raster/surface_depth.h"
+#include "core/render/raster/raster_desc.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "core/render/model/display_pass.h"
+#include "core/render/model/composite_pass.h"
 
 #include <algorithm>
 #include <cmath>

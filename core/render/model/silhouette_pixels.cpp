@@ -6,7 +6,6 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/scene/camera/projection.h"
-#include "core/render/model/kernels/silhouette_coverage.h"
 #include "core/render/model/picture_window.h"
 
 namespace vitrine {

@@ -9,7 +9,6 @@
 #include "core/scene/mesh/mesh_topology.h"
 #include "core/render/model/kernels/fresnel.h"
 #include "core/render/model/kernels/mirror.h"
-#include "core/render/model/kernels/refraction.h"
 
 namespace vitrine {
 

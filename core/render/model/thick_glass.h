@@ -9,10 +9,10 @@
 #include <memory>
 #include <optional>
 
-#include "core/scene/mesh/tri_mesh.h"
-#include "core/render/model/glass_mesh.h"
-#include "core/scene/shape/shape_set.h"
+#include "core/render/model/glass_segments.h"
 #include "core/scene/mesh/mesh_hits.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/camera_path.h"
+#include "core/scene/camera/transforms_file.h"
 #include "core/scene/camera/view_set.h"
-#include "core/scene/camera/view_split.h"
 
 namespace vitrine {
 

@@ -10,10 +10,10 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
-#include "core/scene/mesh/mesh_io.h"
 #include "core/render/model/thick_glass.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "core/scene/shape/shape_file.h"
+#include "core/scene/surfels/splat_scene.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/foundation/math/color.h"
-#include "core/render/raster/surface_depth.h"
+#include "core/render/raster/raster_desc.h"
 
 namespace vitrine {
 

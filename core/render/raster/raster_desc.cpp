@@ -4,6 +4,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
+#include "core/render/raster/renderer.h"
 
 namespace vitrine {
 
@@ -40,6 +41,13 @@ void RasterImages::reset(const RasterDesc& desc) {
     parallel_chunks(plane.size(), kChunk,
                     [&](size_t, size_t begin, size_t end) { std::fill(plane.data() + begin, plane.data() + end, 0.f); });
   }
+}
+
+std::unique_ptr<Renderer> make_cpu_renderer(Simd simd);
+std::unique_ptr<Renderer> make_reference_renderer();
+
+std::unique_ptr<Renderer> make_renderer(Backend backend, Simd simd) {
+  return backend == Backend::Reference ? make_reference_renderer() : make_cpu_renderer(simd);
 }
 
 }  // namespace vitrine

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "core/scene/camera/view.h"
 #include "core/foundation/math/vec.h"
 #include "core/render/raster/aovs.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 
@@ -43,5 +44,15 @@ struct RasterImages {
   // Also sets all values to zero.
   void reset(const RasterDesc& desc);
 };
+
+// Surface depth of a pixel from its channels. The mean depth is smoother than the median, but at an edge it lies between two
+// surfaces: if they differ by more than 1 %, the median is used.
+
+// `zdepth`: sum of w z; `alpha` > 0: sum of w; `median`: 0 if undefined.
+inline float surface_depth(float zdepth, float alpha, float median) {
+  constexpr float kMeanNearMedian_rel = 0.01f;
+  const float mean = zdepth / alpha;
+  return median > 0 && std::abs(mean - median) > kMeanNearMedian_rel * median ? median : mean;
+}
 
 }  // namespace vitrine

@@ -6,9 +6,9 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/light/octahedral.h"
 #include "core/render/model/kernels/mirror.h"
 #include "core/render/relight/sample_points.h"
+#include "core/scene/light/environment.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/log.h"
 #include "core/scene/camera/colmap_files.h"
 

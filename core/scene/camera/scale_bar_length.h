@@ -2,15 +2,15 @@
 //
 // An end X is the point nearest to its rays c_i + t d_i (the midpoint, for two rays):
 //   sum_i (I - d_i d_i^T) X = sum_i (I - d_i d_i^T) c_i
-// If the object was moved between passes of photos (passes.h), the bar is not static in the scene: all marks must be of one
+// If the object was moved between passes of photos (scene_info.h), the bar is not static in the scene: all marks must be of one
 // pass.
 #pragma once
 
 #include <vector>
 
-#include "core/scene/camera/passes.h"
-#include "core/scene/camera/view.h"
 #include "core/foundation/config/chart.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/scene/camera/transforms_file.h"
 #include "core/scene/camera/transforms_format.h"
 #include "core/scene/camera/view_set.h"

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,5 +66,15 @@ struct ViewSet {
 
 // Standard hold-out rule: views at index 0, every, 2*every, ... in name order; every = 0 holds none out.
 inline bool is_heldout(size_t index, int every) { return every > 0 && index % static_cast<size_t>(every) == 0; }
+
+// Common look-at point of the cameras: the point nearest to all optical axes,
+//   argmin_p sum |(I - d d^T) (p - c)|^2,   c = camera centre, d = its axis
+struct LookedAt {
+  Vec3d point;
+  // Smallest eigenvalue of the mean of I - d d^T: 0 for parallel axes, 2/3 for axes in all directions. Near 0 the point is
+  // ill-conditioned.
+  double spread = 0;
+};
+LookedAt looked_at(std::span<const View> views);  // not empty
 
 }  // namespace vitrine

@@ -21,7 +21,6 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/scene/image/exr_layers.h"
 
 namespace vitrine {
 

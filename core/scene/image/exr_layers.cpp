@@ -1,5 +1,5 @@
-#include "core/scene/image/exr_layers.h"
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/exr.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "core/scene/image/jpeg_structure.h"
+#include "core/scene/image/segments.h"
 
 #include <algorithm>
 

@@ -10,12 +10,12 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
+#include "core/foundation/math/color.h"
 #include "core/scene/image/codecs.h"
 #include "core/scene/image/file_kind.h"
 #include "core/scene/image/picture_file.h"
 #include "core/scene/image/resample.h"
-#include "core/scene/image/tiff.h"
-#include "core/foundation/math/color.h"
+#include "core/scene/image/tiff_pages.h"
 
 namespace vitrine {
 

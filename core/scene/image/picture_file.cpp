@@ -4,7 +4,7 @@
 
 #include "core/scene/image/codecs.h"
 #include "core/scene/image/file_kind.h"
-#include "core/scene/image/jpeg_structure.h"
+#include "core/scene/image/segments.h"
 #include "core/scene/image/tiff_pages.h"
 
 namespace vitrine {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/image/jpeg_structure.h"
 #include "core/scene/image/segments.h"
 #include "core/scene/image/tiff_pages.h"
 

@@ -1,4 +1,4 @@
-#include "core/scene/image/tiff.h"
+#include "core/scene/image/tiff_pages.h"
 
 #include <algorithm>
 #include <cmath>

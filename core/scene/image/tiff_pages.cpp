@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 #include "core/scene/image/tiff_directory.h"
 
 namespace vitrine {

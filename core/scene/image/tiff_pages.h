@@ -9,7 +9,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
+
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 
@@ -60,5 +63,15 @@ TiffChannels tiff_channels(const TiffPage& page);
 std::string tiff_refusal(const TiffPages& pages);
 // One sentence for each assumption or omission when reading.
 std::vector<std::string> tiff_notes(const TiffPages& pages);
+
+// TIFF reader: contiguous and planar, strips and tiles, 1 to 16 and 32 bits, half, float and double, grey, RGB, palettes and
+// YCbCr, all libtiff compressions, classic and BigTIFF. tiff_pages.h reports unsupported files.
+
+// Grey (1 channel) or RGB (3), with alpha 4 channels; up to 8 bits as 8, up to 16 and 32 bits as 16, floating point as float.
+// Premultiplied colours are divided by alpha. The orientation of the page is not applied.
+using AnyImage = std::variant<Image8, Image16, ImageF>;
+
+// Returns an error message, empty on success. `pages` are those of `bytes`, and tiff_refusal(pages) is empty.
+std::string read_tiff(std::string_view bytes, const TiffPages& pages, AnyImage& out);
 
 }  // namespace vitrine

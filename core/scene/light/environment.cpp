@@ -15,7 +15,6 @@
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/probe.h"
 #include "core/scene/image/tiff_pages.h"
-#include "core/scene/light/radiance_hdr.h"
 
 namespace vitrine {
 

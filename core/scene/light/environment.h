@@ -7,11 +7,14 @@
 // The luminance of a texel is the mean of the bilinear lookup over it.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/scene/image/image.h"
 #include "core/foundation/math/vec.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 
@@ -67,5 +70,27 @@ void write_environment(const std::filesystem::path& path, const Environment& env
 
 // Test map with six patches on the axes: +x red, -x cyan, +y green, -y magenta, +z blue, -z yellow; grey elsewhere.
 Environment axis_probe(int width);
+
+// Octahedral map of directions (Engelhardt and Dachsbacher 2008), +z at the centre: (x, y) in [-1, 1]^2 maps to the direction (x,
+// y, 1 - |x| - |y|), folded outwards where z is below 0, normalised.
+inline Vec3f octahedral_direction(float x, float y) {
+  const float z = 1 - std::abs(x) - std::abs(y);
+  if (z >= 0) return normalized(Vec3f{x, y, z});
+  return normalized(Vec3f{std::copysign(1 - std::abs(y), x), std::copysign(1 - std::abs(x), y), z});
+}
+inline Vec2f octahedral_place(const Vec3f& d) {
+  const float s = 1 / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)), x = s * d.x, y = s * d.y;
+  if (d.z >= 0) return {x, y};
+  return {std::copysign(1 - std::abs(y), x), std::copysign(1 - std::abs(x), y)};
+}
+
+// Radiance HDR images (.hdr, .pic; Greg Ward): 8-bit RGB mantissas with a shared exponent, flat or run-length coded.
+//   value = mantissa 2^(exponent - 136) / (EXPOSURE COLORCORR)
+// EXPOSURE and COLORCORR are products over all header lines of that name, since every program that scales the image adds one.
+// Rows and columns may be stored in any of eight orders. CIE XYZ is converted to RGB with Rec. 709 primaries and equal-energy
+// white, the convention of Radiance.
+
+// `name` is used in messages. `notes` receives one sentence per conversion. Throws Error{Input} (BAD_HDR) for damaged data.
+ImageF parse_radiance_hdr(std::string_view bytes, const std::string& name, std::vector<std::string>* notes = nullptr);
 
 }  // namespace vitrine

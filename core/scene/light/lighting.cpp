@@ -6,7 +6,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/config/yaml_reader.h"
+#include "core/foundation/config/yaml.h"
 
 namespace vitrine {
 

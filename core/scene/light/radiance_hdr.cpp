@@ -1,4 +1,4 @@
-#include "core/scene/light/radiance_hdr.h"
+#include "core/scene/light/environment.h"
 
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "core/scene/mesh/iso_surface.h"
+#include "core/scene/mesh/tsdf_volume.h"
 
 #include <algorithm>
 #include <cmath>

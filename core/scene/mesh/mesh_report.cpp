@@ -1,9 +1,9 @@
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "core/foundation/math/disjoint_sets.h"
+#include "core/foundation/math/connected_components.h"
 #include "core/scene/mesh/mesh_topology.h"
 
 namespace vitrine {

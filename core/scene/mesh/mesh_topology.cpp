@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/math/disjoint_sets.h"
+#include "core/foundation/math/connected_components.h"
 
 namespace vitrine {
 

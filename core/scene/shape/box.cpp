@@ -1,6 +1,6 @@
 #include "core/scene/shape/box.h"
 
-#include "core/scene/shape/small_turn.h"
+#include "core/scene/shape/hit.h"
 
 namespace vitrine {
 

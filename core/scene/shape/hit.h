@@ -1,9 +1,11 @@
 // Rays, hits, points and parameters: types shared by all shapes (shape.h).
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/foundation/math/rigid.h"
 #include "core/foundation/math/vec.h"
 
 namespace vitrine {
@@ -42,5 +44,15 @@ struct Facet {
   Vec3d normal;
   double offset;
 };
+
+// Rotation of a frame by a rotation vector: direction = axis, length = angle (Rodrigues' formula as a unit quaternion).
+inline constexpr double kLeastExtent_rel = 0.1;  // minimum fraction of a side left after one descent step
+
+inline Mat3d turned_by(const Vec3d& turn, const Mat3d& axes) {
+  const double angle = length(turn);
+  if (!(angle > 0)) return axes;
+  const Vec3d v = std::sin(0.5 * angle) / angle * turn;
+  return rotation_matrix(normalized(Quatd{std::cos(0.5 * angle), v.x, v.y, v.z})) * axes;
+}
 
 }  // namespace vitrine

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/scene/shape/small_turn.h"
+#include "core/scene/shape/hit.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "core/scene/shape/registry.h"
+#include "core/scene/shape/shape_file.h"
 
 #include <array>
 #include <cmath>

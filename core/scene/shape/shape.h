@@ -19,7 +19,7 @@
 
 namespace vitrine {
 
-using Shape = std::variant<Plane, Box, SurfaceOfRevolution, TriangleShape>;  // registry.h has a row for each
+using Shape = std::variant<Plane, Box, SurfaceOfRevolution, TriangleShape>;  // shape_file.h: a row for each
 
 // First hit of a ray that starts outside.
 inline std::optional<ShapeHit> intersect(const Shape& shape, const Ray& ray) {

@@ -9,7 +9,6 @@
 
 #include "core/foundation/base/json.h"
 #include "core/scene/mesh/mesh_io.h"
-#include "core/scene/shape/registry.h"
 
 namespace vitrine {
 

@@ -77,4 +77,10 @@ std::optional<ShapeSet::Hit> ShapeSet::first_hit(const Ray& ray, ShapeRole role,
 // Null-safe test for a role.
 inline bool knows(const ShapeSet* set, ShapeRole role) { return set != nullptr && set->has(role); }
 
+// Uniform samples on the surface of a shape, for placing surfels.
+
+// About one point per square of edge `spacing` > 0: a low-discrepancy sequence per triangle (Roberts, "The unreasonable
+// effectiveness of quasirandom sequences", 2018), projected onto the surface. Deterministic.
+std::vector<ShapePoint> surface_samples(const Shape& shape, double spacing);
+
 }  // namespace vitrine

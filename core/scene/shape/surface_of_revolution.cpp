@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/foundation/math/orthonormal_basis.h"
+#include "core/foundation/math/vec.h"
 #include "core/scene/shape/kernels/revolution_point.h"
 
 namespace vitrine {

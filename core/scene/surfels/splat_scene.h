@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 
 #include "core/scene/surfels/layers.h"
@@ -33,5 +34,11 @@ inline SplatLayer kept_surfels(const SplatLayer& layer, std::span<const uint8_t>
   out.resize(n);
   return out;
 }
+
+// Scene files: one binary PLY per layer with the raw values of every attribute row, bit-exact round trip. Object ids, if known,
+// are the last property, object_id.
+void write_layer(const std::filesystem::path& path, const SplatLayer& layer);
+// Throws Error{Input} with file and cause (truncated, unknown layer, wrong property, non-finite value, absurd count).
+SplatLayer read_layer(const std::filesystem::path& path);
 
 }  // namespace vitrine

@@ -6,7 +6,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/math/color.h"
-#include "core/foundation/math/orthonormal_basis.h"
+#include "core/foundation/math/vec.h"
 #include "stages/export/bake/texels.h"
 
 namespace vitrine {

@@ -1,13 +1,13 @@
-// Detection of unmarked display cases: upright boxes with visible edges (core/observe/stereo/standing_boxes.h) and transparent
+// Detection of unmarked display cases: upright boxes with visible edges (core/observe/stereo/upright_edges.h) and transparent
 // sides. A crate has such edges as well, but there stereo reconstructs the sides; with glass it reconstructs the content or the
 // background.
 #pragma once
 
 #include <span>
 
-#include "core/scene/camera/view_set.h"
 #include "core/observe/stereo/patch_match.h"
-#include "core/observe/stereo/standing_boxes.h"
+#include "core/observe/stereo/upright_edges.h"
+#include "core/scene/camera/view_set.h"
 
 namespace vitrine {
 

@@ -10,11 +10,11 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/observe/stereo/unexplained_pieces.h"
+#include "core/observe/stereo/view_dependence.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "core/observe/stereo/unexplained_pieces.h"
-#include "core/observe/stereo/view_dependence.h"
 
 namespace vitrine {
 

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/foundation/base/base64.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/json.h"
 #include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"

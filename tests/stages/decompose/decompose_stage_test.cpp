@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/hash.h"
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 
 #include "core/scene/camera/view_masks.h"
 #include "core/scene/image/ldr.h"

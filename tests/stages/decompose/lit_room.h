@@ -11,15 +11,15 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/render/picture/trained_scene.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
-#include "core/scene/mesh/mesh_io.h"
-#include "core/render/model/kernels/fresnel.h"
-#include "core/render/picture/trained_scene.h"
-#include "core/scene/surfels/activation.h"
-#include "core/scene/surfels/scene_io.h"
 #include "core/scene/mesh/mesh_hits.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/surfels/activation.h"
+#include "core/scene/surfels/splat_scene.h"
 
 namespace vitrine::test {
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/view_split.h"
 #include "core/foundation/math/color.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/pictures.h"

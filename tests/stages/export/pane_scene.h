@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "core/foundation/base/file.h"
-#include "core/scene/camera/scene_info.h"
 #include "core/foundation/math/rigid.h"
+#include "core/scene/camera/scene_info.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/surfels/activation.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 
 namespace vitrine::test {
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/json.h"
-#include "core/intake/poses/photo_lenses.h"
 #include "core/intake/masks/photo_marks.h"
+#include "core/intake/poses/photo_orientation.h"
 #include "core/scene/camera/view_masks.h"
 #include "core/scene/image/ldr.h"
 #include "stages/mark/page_photos.h"

@@ -14,9 +14,9 @@
 #include "core/scene/image/ldr.h"
 #include "core/scene/mesh/mesh_distance.h"
 #include "core/scene/mesh/mesh_io.h"
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/surfels/activation.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "tests/core/scene/mesh/orbit.h"
 #include "tests/support/written_objects.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/foundation/base/hash.h"
 #include "core/foundation/base/json.h"
-#include "core/observe/network/onnx_graph.h"
+#include "core/observe/network/photo_network.h"
 #include "tests/stages/normals/still_life.h"
 #include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/error_of.h"

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/image_model.h"
-#include "core/scene/surfels/scene_io.h"
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/training.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/surface_pass.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

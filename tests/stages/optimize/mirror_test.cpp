@@ -7,9 +7,9 @@
 
 #include "core/foundation/base/hash.h"
 #include "core/foundation/base/json.h"
-#include "core/scene/camera/view_set.h"
 #include "core/render/picture/trained_scene.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

@@ -10,7 +10,7 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/plane_inpainting.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/json.h"
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/optimize.h"
 #include "tests/core/observe/stereo/silhouettes_of_rays.h"
 #include "tests/stages/optimize/test_context.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/foundation/base/rng.h"
-#include "core/scene/camera/passes.h"
+#include "core/scene/camera/scene_info.h"
 
 namespace vitrine {
 namespace {

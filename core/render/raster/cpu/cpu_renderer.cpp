@@ -9,7 +9,6 @@
 #include "core/foundation/base/plain_array.h"
 #include "core/render/raster/cpu/binning.h"
 #include "core/render/raster/cpu/raster_pass.h"
-#include "core/render/raster/cpu/wanted_pixels.h"
 #include "core/render/raster/kernels/blend.h"
 #include "core/render/raster/kernels/shade.h"
 

@@ -8,7 +8,6 @@
 // the pivot; a pivot close to 1/z preserves precision. Only T depends on the order of summation.
 #pragma once
 
-#include "core/render/raster/kernels/constants.h"
 #include "core/render/raster/kernels/scalar_ops.h"
 
 namespace vitrine {

@@ -10,7 +10,6 @@
 
 #include "core/foundation/math/rigid.h"
 #include "core/foundation/math/vec.h"
-#include "core/render/raster/kernels/constants.h"
 #include "core/render/raster/kernels/scalar_ops.h"
 
 namespace vitrine {

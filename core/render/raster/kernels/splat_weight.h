@@ -9,7 +9,6 @@
 // Where the plane is closer than near_z or behind the eye, rho3d counts as infinite.
 #pragma once
 
-#include "core/render/raster/kernels/constants.h"
 #include "core/render/raster/kernels/project.h"
 #include "core/render/raster/kernels/scalar_ops.h"
 

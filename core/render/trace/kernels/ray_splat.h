@@ -6,8 +6,8 @@
 
 #include "core/foundation/math/rigid.h"
 #include "core/foundation/math/vec.h"
-#include "core/render/raster/kernels/constants.h"
 #include "core/render/raster/kernels/project.h"
+#include "core/render/raster/kernels/scalar_ops.h"
 
 namespace vitrine {
 

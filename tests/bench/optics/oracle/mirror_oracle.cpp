@@ -6,18 +6,17 @@
 #include <map>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/camera/view_split.h"
-#include "core/scene/image/exr.h"
-#include "core/scene/image/metrics.h"
-#include "core/scene/image/resample.h"
-#include "core/scene/light/octahedral.h"
 #include "core/foundation/math/color.h"
-#include "core/scene/mesh/mesh_io.h"
-#include "core/scene/objects/object_labels.h"
 #include "core/learn/optim/adam.h"
 #include "core/render/picture/view_picture.h"
 #include "core/render/trace/tracer.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
+#include "core/scene/light/environment.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
 

@@ -1,11 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/config/apply.h"
-#include "core/foundation/config/reference.h"
 #include "core/foundation/config/schema.h"
 #include "core/foundation/config/text.h"
-#include "core/foundation/config/yaml_reader.h"
+#include "core/foundation/config/yaml.h"
 #include "tests/core/foundation/config/example.h"
 #include "tests/support/error_of.h"
 

@@ -2,7 +2,6 @@
 
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/connected_components.h"
-#include "core/foundation/math/disjoint_sets.h"
 
 namespace vitrine {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/rng.h"
-#include "core/foundation/math/orthonormal_basis.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine {
 namespace {

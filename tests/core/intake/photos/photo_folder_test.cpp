@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/inside.h"
+#include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/rng.h"
+#include "core/intake/photos/photo_files.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "core/intake/photos/photo_files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/tiny_photos.h"
 

@@ -1,5 +1,5 @@
 // Which photo is meant by a name in somebody's file.
-#include "core/intake/poses/photo_finder.h"
+#include "core/intake/poses/pose_files.h"
 
 #include <gtest/gtest.h>
 

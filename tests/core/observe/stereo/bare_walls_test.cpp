@@ -1,5 +1,5 @@
 // Walls without texture: a table that stereo finds, in a room of bare walls or under the sky.
-#include "core/observe/stereo/bare_walls.h"
+#include "core/observe/stereo/scene_planes.h"
 
 #include <gtest/gtest.h>
 

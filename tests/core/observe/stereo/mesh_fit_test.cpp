@@ -1,5 +1,5 @@
 // Meshes of free forms from exact silhouettes.
-#include "core/observe/stereo/mesh_fit.h"
+#include "core/observe/stereo/shape_fit.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

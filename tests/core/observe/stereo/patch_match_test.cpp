@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/parallel.h"
-#include "core/observe/stereo/extend_planes.h"
 #include "core/observe/stereo/patch_score.h"
+#include "core/observe/stereo/scene_planes.h"
 #include "tests/core/observe/stereo/textured_room.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "core/observe/stereo/revolution_edges.h"
+#include "core/observe/stereo/revolution_fit.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

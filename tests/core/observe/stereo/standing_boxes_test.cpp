@@ -1,4 +1,4 @@
-#include "core/observe/stereo/standing_boxes.h"
+#include "core/observe/stereo/upright_edges.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

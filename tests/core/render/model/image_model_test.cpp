@@ -1,4 +1,4 @@
-#include "core/render/model/image_model.h"
+#include "core/render/model/layered_model.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/color.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/display_pass.h"
+#include "core/render/model/composite_pass.h"
 #include "core/render/model/shape_pass.h"
 #include "core/render/model/sheet_pass.h"
 #include "core/render/model/silhouette_pass.h"

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/parallel.h"
-#include "core/render/model/diffuse_pass.h"
-#include "core/render/model/display_pass.h"
+#include "core/render/model/composite_pass.h"
+#include "core/render/model/surface_pass.h"
 #include "tests/core/render/model/exact_model.h"
 #include "tests/core/render/model/tiny_rooms.h"
 

@@ -7,7 +7,7 @@
 #include "core/foundation/math/dual.h"
 #include "core/render/model/kernels/ggx.h"
 #include "core/render/model/kernels/layer_blend.h"
-#include "core/render/model/kernels/refraction.h"
+#include "core/render/model/kernels/mirror.h"
 #include "core/render/model/kernels/surface_point.h"
 
 namespace vitrine {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/mesh/tri_mesh.h"
-#include "core/render/model/kernels/refraction.h"
+#include "core/render/model/kernels/mirror.h"
 #include "core/render/model/layered_model.h"
 #include "core/render/model/opened_scene.h"
 #include "core/render/model/sheet_pass.h"
 #include "core/render/trace/tracer.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "tests/core/render/model/exact_model.h"
 #include "tests/core/render/model/snell_ball.h"
 #include "tests/core/render/model/tiny_rooms.h"

@@ -7,7 +7,6 @@
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/dual.h"
 #include "core/render/model/gbuffer.h"
-#include "core/render/model/kernels/silhouette_coverage.h"
 #include "core/render/model/silhouette_pixels.h"
 #include "core/scene/shape/shape.h"
 #include "tests/core/render/model/ball_before_wall.h"

@@ -7,7 +7,6 @@
 #include "core/foundation/base/parallel.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
-#include "core/scene/surfels/scene_io.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "tests/support/spheres.h"
 

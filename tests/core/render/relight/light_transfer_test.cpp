@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "core/foundation/base/parallel.h"
-#include "core/scene/light/octahedral.h"
 #include "core/render/relight/lit_scene.h"
+#include "core/scene/light/environment.h"
 #include "tests/core/render/relight/relit_ball.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "core/scene/camera/camera_path.h"
+#include "core/scene/camera/transforms_file.h"
 
 #include <gtest/gtest.h>
 

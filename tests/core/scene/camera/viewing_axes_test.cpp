@@ -1,4 +1,4 @@
-#include "core/scene/camera/viewing_axes.h"
+#include "core/scene/camera/view.h"
 
 #include <gtest/gtest.h>
 

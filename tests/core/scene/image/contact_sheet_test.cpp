@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/file.h"
-#include "core/scene/image/bitmap_font.h"
 
 namespace vitrine {
 namespace {

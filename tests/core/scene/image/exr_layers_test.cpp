@@ -16,8 +16,7 @@
 
 #include "core/foundation/base/file.h"
 #include "core/scene/image/exr.h"
-#include "core/scene/image/exr_layers.h"
-#include "core/scene/image/repair.h"
+#include "core/scene/image/resample.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -4,9 +4,9 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/rng.h"
 #include "core/scene/image/file_kind.h"
-#include "core/scene/image/jpeg_structure.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/picture_file.h"
+#include "core/scene/image/segments.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -8,7 +8,6 @@
 #include "core/foundation/base/rng.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/scene/light/radiance_hdr.h"
 #include "tests/support/error_of.h"
 #include "tests/support/exr_chromaticities.h"
 

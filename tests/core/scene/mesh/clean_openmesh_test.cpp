@@ -2,7 +2,7 @@
 
 #include "core/foundation/base/rng.h"
 #include "core/scene/mesh/clean_openmesh.h"
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "tests/core/scene/mesh/shapes.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "core/scene/mesh/iso_surface.h"
+#include "core/scene/mesh/tsdf_volume.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
 #include "core/scene/mesh/cell_cases.h"
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 namespace vitrine {
 namespace {

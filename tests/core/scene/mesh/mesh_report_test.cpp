@@ -1,4 +1,4 @@
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 #include <gtest/gtest.h>
 

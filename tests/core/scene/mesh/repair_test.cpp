@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/scene/mesh/mesh_report.h"
 #include "core/scene/mesh/repair_cgal.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "tests/core/scene/mesh/shapes.h"
 
 namespace vitrine {

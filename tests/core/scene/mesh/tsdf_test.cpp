@@ -9,9 +9,8 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
 #include "core/scene/mesh/clean_openmesh.h"
-#include "core/scene/mesh/iso_surface.h"
 #include "core/scene/mesh/mesh_distance.h"
-#include "core/scene/mesh/mesh_report.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "tests/core/scene/mesh/orbit.h"
 
 namespace vitrine {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/foundation/base/json.h"
-#include "core/scene/shape/registry.h"
-#include "core/scene/shape/surface_samples.h"
+#include "core/scene/shape/shape_file.h"
+#include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
 namespace {

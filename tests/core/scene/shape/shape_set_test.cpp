@@ -3,7 +3,6 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
-#include "core/scene/shape/registry.h"
 #include "core/scene/shape/shape_file.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
 
 #include <gtest/gtest.h>
 

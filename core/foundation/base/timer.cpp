@@ -1,4 +1,4 @@
-#include "core/foundation/base/machine.h"
+#include "core/foundation/base/timer.h"
 
 #include <unistd.h>
 
