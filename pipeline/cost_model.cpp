@@ -111,7 +111,7 @@ Preflight preflight(const std::vector<const StageNode*>& stages, const Settings&
     p.notes.push_back(
         there.memory_is_limit
             ? fmt::format("note: {} may need about {}, --max-memory allows {}: it takes less where it can, else it "
-                          "stops with exit code 6 and says which option helps",
+                          "stops with exit code 6 and names the option that helps",
                           p.hungriest, bytes_text(p.memory_bytes), bytes_text(there.memory_bytes))
             : fmt::format("note: {} may need about {} and {} are free: with --max-memory 80% it makes do, or stops in "
                           "order instead of being killed",

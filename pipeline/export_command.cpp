@@ -54,7 +54,7 @@ void check_formats(const std::string& given) {
       throw Error(ErrorKind::Usage,
                   fmt::format("there is no format '{}'{}", format, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)),
                   {.why = fmt::format("the formats are: {}", fmt::join(known, " ")),
-                   .hint = "`vitrine export --list` says what each holds",
+                   .hint = "`vitrine export --list` shows what each holds",
                    .code = "USAGE"});
     }
   }

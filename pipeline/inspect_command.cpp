@@ -80,10 +80,10 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
 
 // Adds the rehearsal's warnings and errors to the findings.
 void add_rehearsal(const Subject& subject, int threads, Json& report) {
-  const std::vector<Said> said = rehearsed(
+  const std::vector<RunMessage> messages = rehearsed(
       {.photos = subject.photos, .poses = subject.poses, .masks = subject.has_masks() ? subject.masks : "", .threads = threads});
   std::vector<Json> findings = report["findings"];
-  for (const Said& s : said) {
+  for (const RunMessage& s : messages) {
     if (std::ranges::any_of(findings, [&](const Json& f) { return f["code"] == s.code; })) continue;
     findings.push_back({{"code", s.code},
                         {"severity", s.error ? "problem" : "warning"},
@@ -224,7 +224,7 @@ void print_photos(const Json& report) {
   print_row("photos", fmt::format("{}  {}  {}  focal length known for {}", set["usable"].get<size_t>(), size, camera, focal));
   const Json& blur = set["blur_px_at_1600"];
   print_row("sharpness", fmt::format("{}; {:.0f} % of a picture holds something to recognise",
-                                     blur.is_null() ? std::string("too few edges to tell")
+                                     blur.is_null() ? std::string("too few edges to measure it")
                                                     : fmt::format("edges smeared over {:.1f} px of 1600", blur.get<double>()),
                                      100 * set["texture"].get<double>()));
   print_row("exposure", fmt::format("{}, brightness ranges over {:.1f} EV; clipped {:.1f} %, black {:.1f} %",
@@ -341,7 +341,7 @@ std::string verdict_text(const Json& report) {
   const auto count = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
   if (problems > 0) return "POOR: " + count(problems, "problem") + " will cost photos, or the whole reconstruction";
   if (warnings > 0) return "USABLE, with " + count(warnings, "warning");
-  return "GOOD: nothing speaks against these photos";
+  return "GOOD: no problem was found in these photos";
 }
 
 }  // namespace
@@ -387,7 +387,7 @@ int inspect_command(const Words& words) {
   if (a.verbose) print_each_photo(report);
   print_costs(costs, threads, subject.has_masks());
   if (!subject.has_masks())
-    print_row("masks", "Glass, polished metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
+    print_row("masks", "Glass, bare metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
                            join_command({"vitrine", "mark", given}));
   return 0;
 }

@@ -29,8 +29,8 @@ constexpr Command kCommands[] = {
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
     {"view", "one page that shows the scene in a browser: OUT/view.html", view_command},
     {"edit", "changes to a finished scene: materials, deletion; replayable", edit_command},
-    {"export", "the scene in other programs' formats; --list says what each holds", export_command},
-    {"report", "one page that says how the run went: OUT/report.html", report_command},
+    {"export", "the scene in other programs' formats; --list shows what each holds", export_command},
+    {"report", "one page about the run and its result: OUT/report.html", report_command},
     {"status", "which stages of an output folder are up to date", status_command},
     {"explain", "why a stage would be computed again", explain_command},
     {"config", "all options, their values and where they come from", config_command},
@@ -42,7 +42,7 @@ std::string help() {
   std::string text =
       "usage: vitrine COMMAND ...\nRaw photos in, a relightable scene out, glass and mirrors included.\n\ncommands:\n";
   for (const Command& c : kCommands) text += fmt::format("  {:<10}{}\n", c.name, c.doc);
-  return text + "\nvitrine COMMAND --help says more.\nFirst run: vitrine run PHOTOS -o DIR --preset preview\n";
+  return text + "\nvitrine COMMAND --help shows more.\nFirst run: vitrine run PHOTOS -o DIR --preset preview\n";
 }
 
 int dispatch(const Words& words) {

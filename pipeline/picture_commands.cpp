@@ -74,7 +74,7 @@ std::optional<Manifest> pictures_before(ArtifactStore& store, const std::string&
 void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureTool& tool) {
   cli.value("views", 0, "WHICH", a.views,
             "heldout, train, all, or a camera path: a file like the scene's transforms.json, in its frame.");
-  cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as the path says.");
+  cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as in the path.");
   cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", tool.folder));
   add_set_option(cli, a, tool.name);
   cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", tool.folder));

@@ -68,7 +68,7 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
     : graph_(graph), settings_(settings), project_(std::move(project)), selection_(selection), store_(store_of(project_)) {
   if (!selection_.only.empty()) {
     if (!selection_.from.empty() || !selection_.to.empty())
-      throw Error(ErrorKind::Usage, "--only cannot stand beside --from or --to",
+      throw Error(ErrorKind::Usage, "--only cannot be used with --from or --to",
                   {.hint = "--only STAGE is --from STAGE --to STAGE", .code = "USAGE"});
     selection_.from = selection_.to = selection_.only;
   }

@@ -54,7 +54,7 @@ void write_project_settings(const fs::path& project, const Settings& settings) {
   }
   const std::string text =
       "# Settings of this folder, read by `vitrine run`; edit freely. `vitrine config reference` lists all options,\n"
-      "# `vitrine config show --origin` says where each value comes from.\n" +
+      "# `vitrine config show --origin` shows where each value comes from.\n" +
       yaml_text(kept);
   write_file(project / "vitrine.yaml", text);
   write_file(written_settings(project), digest_bytes(text).hex());

@@ -17,19 +17,19 @@ namespace {
 constexpr const char* kSmall[] = {"ingest.max_side=800", "sfm.max_features=2048"};
 
 // Merges warnings of one code into one finding: "(and 11 more)".
-void add(std::vector<Said>& list, std::vector<size_t>& more, Said said) {
+void add(std::vector<RunMessage>& list, std::vector<size_t>& more, RunMessage message) {
   for (size_t i = 0; i < list.size(); ++i)
-    if (!said.error && !list[i].error && list[i].code == said.code) {
+    if (!message.error && !list[i].error && list[i].code == message.code) {
       ++more[i];
       return;
     }
-  list.push_back(std::move(said));
+  list.push_back(std::move(message));
   more.push_back(0);
 }
 
 }  // namespace
 
-std::vector<Said> rehearsed(const RehearsalDesc& desc) {
+std::vector<RunMessage> rehearsed(const RehearsalDesc& desc) {
   if (desc.poses.empty() || desc.poses == "none") return {};
   const TemporaryFolder folder("vitrine-rehearsal");
   Words words = {fs::read_symlink("/proc/self/exe").string(),
@@ -49,7 +49,7 @@ std::vector<Said> rehearsed(const RehearsalDesc& desc) {
   for (const char* set : kSmall) words.insert(words.end(), {"--set", set});
   if (!desc.masks.empty()) words.insert(words.end(), {"--masks", desc.masks});
   if (desc.threads > 0) words.insert(words.end(), {"--threads", std::to_string(desc.threads)});
-  std::vector<Said> list;
+  std::vector<RunMessage> list;
   std::vector<size_t> more;
   run_process(
       {.arguments = words, .on_line = [&](std::string_view line) {
@@ -69,7 +69,7 @@ std::vector<Said> rehearsed(const RehearsalDesc& desc) {
   throw_if_interrupted();
   for (size_t i = 0; i < list.size(); ++i)
     if (more[i] > 0) list[i].what += fmt::format(" (and {} more such warnings)", more[i]);
-  std::ranges::stable_sort(list, [](const Said& a, const Said& b) { return a.error > b.error; });
+  std::ranges::stable_sort(list, [](const RunMessage& a, const RunMessage& b) { return a.error > b.error; });
   return list;
 }
 

@@ -15,12 +15,12 @@ struct RehearsalDesc {
 };
 
 // A warning of the run, or the error that ended it.
-struct Said {
+struct RunMessage {
   bool error = false;
   std::string code = {};  // code of the run: "POSES_DISAGREE"
   std::string what = {}, why = {}, hint = {};
 };
 
-std::vector<Said> rehearsed(const RehearsalDesc& desc);
+std::vector<RunMessage> rehearsed(const RehearsalDesc& desc);
 
 }  // namespace vitrine

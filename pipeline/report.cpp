@@ -163,9 +163,9 @@ void Report::stage_line(std::string_view text) {
     progress(event);
   } else if (type == "warning") {
     r.warnings.push_back(event.value("text", ""));
-    const std::string said = "warning: " + event.value("text", "");
-    log(said);
-    console(coloured_head(stage_note(said), "warning:", "33"));
+    const std::string text = "warning: " + event.value("text", "");
+    log(text);
+    console(coloured_head(stage_note(text), "warning:", "33"));
   } else if (type == "error") {
     error_record_ = std::string(text);
   } else if (type == "stage_end") {

@@ -44,14 +44,14 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("masks", 0, "PATH", a.masks,
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
             "YAML file that "
-            "marks things in a few photos (vitrine mark).");
+            "marks objects in a few photos (vitrine mark).");
   cli.value(
       "objects", 0, "FILE", a.objects,
       "The table of glass, mirrors and coats: objects/objects.json of an earlier run, corrected by hand; instead of one that "
       "is found.");
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
   cli.value("truth", 0, "DIR", a.truth,
-            "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
+            "Ground truth to evaluate against; a folder 'truth' next to the photos is found by itself, \"none\" leaves it out.");
   cli.value(
       "grey-card", 0, "PHOTO:X,Y,W,H", a.grey_card,
       "A card of known albedo (decompose.grey_albedo, 0.18), which sets the scale of all albedos and the colour of the light: a "
@@ -65,7 +65,7 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("to", 0, "STAGE", a.selection.to, "Stop after this stage.");
   cli.value("only", 0, "STAGE", a.selection.only, "Only this stage.");
   cli.flag("force", 0, a.selection.force, "Compute the chosen stages even if nothing changed.");
-  cli.flag("dry-run", 'n', a.dry_run, "Say what would be done, and why; do nothing.");
+  cli.flag("dry-run", 'n', a.dry_run, "Print what would be done, and why; do nothing.");
   cli.section("machine");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Results do not depend on it.");
   cli.value("max-memory", 0, "SIZE", a.max_memory, "Memory to stay below: 4GiB, 80%.");

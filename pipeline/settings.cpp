@@ -54,9 +54,9 @@ fs::path config_folder() {
   const char* chosen = std::getenv("VITRINE_CONFIG_DIR");
   if (chosen != nullptr && *chosen != 0) return chosen;
   // Next to the build folder, installed, or (build folder elsewhere) in the source tree.
-  const fs::path beside = own_folder() / "../../configs", installed = own_folder() / "../share/vitrine/configs",
+  const fs::path next_to_program = own_folder() / "../../configs", installed = own_folder() / "../share/vitrine/configs",
                  sources = VITRINE_SOURCE_CONFIGS;
-  for (const fs::path& folder : {beside, installed, sources})
+  for (const fs::path& folder : {next_to_program, installed, sources})
     if (is_there(folder / "pipelines")) return folder.lexically_normal();
   throw Error(ErrorKind::Dependency, "the presets are missing",
               {.where = (own_folder() / "../../configs").lexically_normal().string(),
@@ -206,9 +206,9 @@ void Settings::find_truth() {
   Option* truth = options.table.find("input.truth");
   const Option* photos = options.table.find("input.photos");
   if (truth == nullptr || photos == nullptr || !truth->text().empty() || photos->text().empty()) return;
-  const fs::path beside = (fs::path(photos->text()) / "..").lexically_normal() / "truth";
+  const fs::path next_to_photos = (fs::path(photos->text()) / "..").lexically_normal() / "truth";
   std::error_code ec;
-  if (fs::is_directory(beside, ec)) truth->assign(beside.string(), "found beside the photos");
+  if (fs::is_directory(next_to_photos, ec)) truth->assign(next_to_photos.string(), "found next to the photos");
 }
 
 std::string Settings::text(std::string_view path) const {

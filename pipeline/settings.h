@@ -44,7 +44,7 @@ class Settings {
     fs::path path;
     std::string prefix;  // "mesh" for stages/mesh.yaml
   };
-  // A folder `truth` beside the photos, unless input.truth says something, be it "none".
+  // A folder `truth` next to the photos, unless input.truth is set, even to "none".
   void find_truth();
   // Resolves relative paths of input.* set in this layer against `base`.
   void anchor_paths(const std::vector<std::string>& before, const fs::path& base);

@@ -10,7 +10,7 @@ inline double ingested_side(const CostTerms& t) { return t.number("ingest.max_si
 inline double ingested_mpx(const CostTerms& t) { return t.photos() * t.mpx(ingested_side(t)); }
 inline double trained_side(const CostTerms& t) { return t.limited("optimize.max_side", ingested_side(t)); }
 double opaque_step_s(const CostTerms& t);  // of one opaque layer, CPU seconds
-// CPU seconds of a step of training with all its layers, of which those of gloss and glass take part in `layered` of the steps;
+// CPU seconds of a step of training with all its layers, of which those of mirrors and glass take part in `layered` of the steps;
 // a ray of them costs less than its pixel, which is shaded with all the others. `budget`: option with the most rays of a step.
 double training_step_s(const CostTerms& t, double layered, const char* budget);
 double training_memory_mib(const CostTerms& t);

@@ -191,7 +191,7 @@ Figures gather_figures(const fs::path& project, const RunOutcome& outcome) {
     if (std::ranges::find(d.report.figures, kOfPhotos, &ReportFigure::id) != d.report.figures.end())
       f.photos = read_photos(reports.back());
   }
-  std::set<std::string> said;
+  std::set<std::string> reported;
   for (const std::string& title : group_titles()) {
     FigureGroup group{.title = title, .figures = {}};
     for (size_t s = 0; s < reports.size(); ++s) {
@@ -199,9 +199,9 @@ Figures gather_figures(const fs::path& project, const RunOutcome& outcome) {
         if (auto figure = rule.group == title ? figure_of(rule, reports[s], f.views) : std::nullopt)
           group.figures.push_back(std::move(*figure));
       for (const ReportFact& fact : declared_reports()[s].report.facts)
-        if (auto text = fact.group == title && !said.contains(fact.once) ? text_of(fact, reports[s]) : std::nullopt) {
+        if (auto text = fact.group == title && !reported.contains(fact.once) ? text_of(fact, reports[s]) : std::nullopt) {
           f.facts.push_back(std::move(*text));
-          if (!fact.once.empty()) said.insert(fact.once);
+          if (!fact.once.empty()) reported.insert(fact.once);
         }
     }
     if (!group.figures.empty()) f.groups.push_back(std::move(group));

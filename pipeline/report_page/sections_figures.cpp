@@ -118,7 +118,7 @@ std::string figures_section(const Material& m) {
     for (size_t i = 0; i < m.figures.facts.size(); ++i) body += (i > 0 ? "; " : "") + escaped(m.figures.facts[i]);
     body += ".</p>";
   }
-  return section("figures", "Figures", "Ratings say what is worth doing next; the figures themselves are measurements.", body);
+  return section("figures", "Figures", "Ratings show what is worth doing next; the figures themselves are measurements.", body);
 }
 
 std::string regions_section(const Material& m) {

@@ -194,8 +194,8 @@ std::string layers_section(const Material& m) {
                           escaped(v.name), more);
   }
   if (const auto masks = picture_of_file(m.project / "masks/contact_sheet.png", kLargePicture))
-    body += fmt::format("<details><summary>What was taken for glass and gloss</summary>{}</details>",
-                        image(*masks, "Contact sheet of the masks of glass and gloss"));
+    body += fmt::format("<details><summary>Masks of glass and mirrors</summary>{}</details>",
+                        image(*masks, "Contact sheet of the masks of glass and mirrors"));
   if (const auto objects = picture_of_file(m.project / "objects/contact_sheet.png", kLargePicture))
     body += fmt::format(
         "<details><summary>Glass, mirrors and coats (objects/objects.json; correct it and give it with "

@@ -166,7 +166,7 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
         "they are right.",
         commands.with_photos());
   if (unknown("psnr"))
-    add("Take more photos: every eighth is held out to measure by, and one says little.", commands.with_photos());
+    add("Take more photos: every eighth is held out to measure by, and one is too few.", commands.with_photos());
   if (rating("registered") != Rating::Good)
     add("Add photos between those that were left out (listed below) and their neighbours, then run again.",
         commands.with_photos());
@@ -178,9 +178,9 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
   if ((soft || shiny) && !commands.better().empty())
     add("Train longer and finer.", commands.again({"--preset", commands.better()}));
   if (outcome.masks.empty() && soft)
-    add("If there is glass, polished metal or a mirror in the scene, mark it in two or three photos: this opens a page that "
+    add("If there is glass, bare metal or a mirror in the scene, mark it in two or three photos: this opens a page that "
         "saves the "
-        "marks and says what to run then.",
+        "marks and shows what to run then.",
         commands.of({"mark", "--open"}));
   if (!outcome.masks.empty() && shiny)
     add("Look whether the masks of glass and metal fit the photos, and mark them where they do not.",
@@ -202,7 +202,7 @@ void tell_failure(const RunOutcome& outcome, const Commands& commands, Verdict& 
   v.word = stage.empty() ? "It did not finish" : fmt::format("It failed {}", stage_in_words(stage));
   if (!outcome.failure) {
     v.sentence = fmt::format("The run ended with exit code {}.", outcome.exit);
-    v.next.push_back({"log.txt has what was said. Run it again once the cause is gone.", commands.again()});
+    v.next.push_back({"log.txt has all messages. Run it again once the cause is gone.", commands.again()});
     return;
   }
   const StageFailure& f = *outcome.failure;
@@ -260,7 +260,7 @@ Verdict verdict_of(const RunOutcome& outcome, const Figures& figures, const std:
                                          : "It ran through, but the result is weak";
   if (!measured && worst != Rating::Good) v.word = "The start is weak";
   v.sentence = how_well(figures);
-  if (v.sentence.empty()) v.sentence = "The stages that were asked for are done; nothing has been measured yet.";
+  if (v.sentence.empty()) v.sentence = "The requested stages are done; nothing has been measured yet.";
   for (const Figure* f : weak_figures(figures))
     if (v.weak.size() < kMostWeak) v.weak.push_back(weak_spot(*f));
   if (!measured) v.next.push_back({"Go on with the stages that follow.", commands.again()});

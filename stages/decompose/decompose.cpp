@@ -250,8 +250,8 @@ class Decomposition {
                                       .objects = objects_,
                                       .max_side = config_.max_side,
                                       .reach = float(kPolishReach * edge_)});
-    polished_ = found.things;
-    polish_materials(found, scene_, radiance, materials_);
+    reflectors_ = found.reflectors;
+    apply_reflectors(found, scene_, radiance, materials_);
   }
 
   // `scene`: radiances of the surfels. `small`: the view at the size of the rendered pictures.
@@ -278,8 +278,8 @@ class Decomposition {
     const ImageF picture = SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view);
     const View& shown_in = all_views_[card_->view];
     const double shown = shown_share(*card_, shown_in, picture);
-    card_beside_ = object_alone_ ? shown < kTrainedShare : shown == 0;
-    const Vec3f found = card_beside_ ? albedo_in_photo(shown_in, view, radiance) : median_in(*card_, shown_in, picture);
+    card_outside_scene_ = object_alone_ ? shown < kTrainedShare : shown == 0;
+    const Vec3f found = card_outside_scene_ ? albedo_in_photo(shown_in, view, radiance) : median_in(*card_, shown_in, picture);
     for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
     for (auto* albedo : {&materials_.albedo, &materials_.albedo_behind_glass})
       for (Vec3f& rho : *albedo) rho = hadamard(rho, card_gain_);
@@ -319,10 +319,10 @@ class Decomposition {
                                                .sky_distance = sky_distance_,
                                                .walls = walls_,
                                                .horizon = horizon_,
-                                               .card_beside = card_beside_});
+                                               .card_outside_scene = card_outside_scene_});
     if (!materials_.albedo_behind_glass.empty()) report["surfels_behind_glass"] = materials_.albedo_behind_glass.size();
     if (baked) report["baked_log_rms"] = *baked;
-    for (const Polished& p : polished_)
+    for (const Reflector& p : reflectors_)
       if (p.pixels > 0)
         report["objects"].push_back({{"id", p.object},
                                      {"kind", p.metal ? "mirror" : "coat"},
@@ -340,9 +340,9 @@ class Decomposition {
       context_.warning("ALBEDO_SCALE", "bounced light alone is brighter than the wanted scale of the albedo allows");
     context_.summary(fmt::format("{}k points, {} of {} light cells solved, {:.0f} % of the light bounced or seen; albedo by {}",
                                  (points_.size() + 500) / 1000, free, solution_.light.size(), 100 * solution_.known_share,
-                                 card_beside_ ? "grey card in the photo"
-                                 : card_      ? "grey card"
-                                              : "convention"));
+                                 card_outside_scene_ ? "grey card in the photo"
+                                 : card_             ? "grey card"
+                                                     : "convention"));
   }
 
   const SplatLayer& layer() const { return scene_.surfels.diffuse; }
@@ -373,8 +373,8 @@ class Decomposition {
   ExtendedWalls walls_;
   std::vector<Vec3f> irradiance_;
   DecomposedMaterials materials_;
-  std::vector<Polished> polished_;
-  bool object_alone_ = false, card_beside_ = false;  // the card is measured in the photo, outside the scene
+  std::vector<Reflector> reflectors_;
+  bool object_alone_ = false, card_outside_scene_ = false;  // the card is measured in the photo, outside the scene
   Vec3f card_gain_{1, 1, 1};
 };
 

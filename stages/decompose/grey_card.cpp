@@ -151,7 +151,7 @@ Vec3f up_in_photo(const View& view, const std::vector<View>& views, const Passes
     if (pass_of(passes, v.name) == pass) sum += transposed_times(v.cam_from_world.rotation, Vec3d{0, -1, 0}), ++count;
   if (!(length(sum) > kShortestUp * double(count)))
     throw unusable_card("the light on the grey card is not known", view,
-                        "the cameras of its pass look straight down, which does not say where up is",
+                        "the cameras of its pass look straight down, so that the upward direction is unknown",
                         "the card in a photo of the first pass");
   return cast<float>(normalized(sum));
 }

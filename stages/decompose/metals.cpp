@@ -26,12 +26,12 @@ constexpr size_t kFewestPixels = 300;                             // of an objec
 constexpr size_t kFewestOfFace = 4;                               // minimum views to separate specular light from paint
 constexpr float kLeastCoverage = 0.05f;                           // surfel coverage of a ray; with less it sees the environment
 constexpr float kBrightestMetal = 0.95f;                          // silver
-constexpr float kGlaze = 0.04f;                                   // at normal incidence, index 1.5
+constexpr float kCoatF0 = 0.04f;                                  // at normal incidence, index 1.5
 constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // minimum paint share of a coated surfel's radiance; radiance
-constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // if none was trained
+constexpr float kCoatRoughness = 0.1f, kMetalRoughness = 0.25f;   // if none was trained
 constexpr size_t kNearFaces = 8;                                  // faces averaged for the specular light of a surfel
 
-struct PolishedPixels {
+struct ReflectorPixels {
   std::vector<uint32_t> face;
   std::vector<Vec3f> origins, normals, directions, photo, light;
   std::vector<int> view, x, y;
@@ -40,14 +40,14 @@ struct PolishedPixels {
   size_t size() const { return face.size(); }
 };
 
-class PolishedFinder {
+class ReflectorFinder {
  public:
-  explicit PolishedFinder(const MetalsDesc& desc) : d_(desc), hits_(desc.mesh), normals_(vertex_normals(desc.mesh)) {
+  explicit ReflectorFinder(const MetalsDesc& desc) : d_(desc), hits_(desc.mesh), normals_(vertex_normals(desc.mesh)) {
     for (const Object& o : desc.objects.objects().objects)
       if (o.role == ObjectRole::Mirror || o.role == ObjectRole::Coat) ids_.push_back(o.id);
     for (size_t f = 0; f < desc.mesh.faces.size(); ++f) {
       object_.push_back(desc.mesh.object_of_face(f));
-      thing_.push_back(thing_of(object_.back()));
+      reflector_.push_back(index_of(object_.back()));
     }
   }
 
@@ -59,7 +59,7 @@ class PolishedFinder {
     drop_unsure();
     trace();
     const std::vector<FaceShows> faces = faces_show();
-    out.things = measured();
+    out.reflectors = measured();
     spread(faces, out);
     return out;
   }
@@ -80,7 +80,7 @@ class PolishedFinder {
         const auto hit = hits_.first_hit(eye, towards);
         if (!hit) continue;
         // The mesh edge may lie in front of the pixel's object.
-        if (thing_[hit->face] < 0 || labels.at(x, y) != object_[hit->face]) continue;
+        if (reflector_[hit->face] < 0 || labels.at(x, y) != object_[hit->face]) continue;
         const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
         const float cosine = -dot(n, towards);
         const float* c = photo.pixel(x, y);
@@ -106,7 +106,7 @@ class PolishedFinder {
   }
 
   // Index into ids_, or -1.
-  int thing_of(uint16_t object) const {
+  int index_of(uint16_t object) const {
     const auto own = std::ranges::lower_bound(ids_, object);
     return own == ids_.end() || *own != object ? -1 : static_cast<int>(own - ids_.begin());
   }
@@ -114,18 +114,18 @@ class PolishedFinder {
   // Removes objects with too few pixels; they stay unchanged.
   void drop_unsure() {
     std::vector<size_t> pixels(ids_.size(), 0);
-    for (const uint32_t face : pixels_.face) ++pixels[size_t(thing_[face])];
-    for (int& t : thing_)
+    for (const uint32_t face : pixels_.face) ++pixels[size_t(reflector_[face])];
+    for (int& t : reflector_)
       if (t >= 0 && pixels[size_t(t)] < kFewestPixels) t = -1;
   }
 
   // Traces the mirrored rays; pixels with a second specular hit are discarded.
   void trace() {
-    PolishedPixels kept;
+    ReflectorPixels kept;
     for (size_t i = 0; i < pixels_.size(); ++i) {
-      if (thing_[pixels_.face[i]] < 0) continue;
+      if (reflector_[pixels_.face[i]] < 0) continue;
       const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
-      if (again && thing_[again->face] >= 0) continue;
+      if (again && reflector_[again->face] >= 0) continue;
       kept.face.push_back(pixels_.face[i]);
       kept.view.push_back(pixels_.view[i]), kept.x.push_back(pixels_.x[i]), kept.y.push_back(pixels_.y[i]);
       kept.origins.push_back(pixels_.origins[i]);
@@ -161,9 +161,9 @@ class PolishedFinder {
     size_t views = 0;
   };
   std::vector<FaceShows> faces_show() const {
-    std::vector<std::vector<uint32_t>> of_face(thing_.size());
+    std::vector<std::vector<uint32_t>> of_face(reflector_.size());
     for (uint32_t i = 0; i < pixels_.size(); ++i) of_face[pixels_.face[i]].push_back(i);
-    std::vector<FaceShows> faces(thing_.size());
+    std::vector<FaceShows> faces(reflector_.size());
     for (size_t f = 0; f < of_face.size(); ++f) {
       std::vector<uint32_t>& views = of_face[f];
       if (views.size() < kFewestOfFace) continue;
@@ -175,7 +175,7 @@ class PolishedFinder {
       for (size_t v = 0; v < views.size(); ++v) {
         face.mean += pixels_.photo[views[v]] / float(views.size());
         if (v >= half) continue;
-        const Vec3f mirrored = schlick(Vec3f{kGlaze, kGlaze, kGlaze}, pixels_.cosine[views[v]]).value;
+        const Vec3f mirrored = schlick(Vec3f{kCoatF0, kCoatF0, kCoatF0}, pixels_.cosine[views[v]]).value;
         const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
         for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
       }
@@ -183,39 +183,39 @@ class PolishedFinder {
     return faces;
   }
 
-  std::vector<Polished> measured() const {
-    std::vector<Polished> things(ids_.size());
-    for (size_t t = 0; t < things.size(); ++t) {
-      Polished& thing = things[t];
-      thing.object = ids_[t];
-      thing.metal = d_.objects.objects().find(ids_[t])->role == ObjectRole::Mirror;
-      thing.reflectance = {kGlaze, kGlaze, kGlaze};
+  std::vector<Reflector> measured() const {
+    std::vector<Reflector> reflectors(ids_.size());
+    for (size_t t = 0; t < reflectors.size(); ++t) {
+      Reflector& reflector = reflectors[t];
+      reflector.object = ids_[t];
+      reflector.metal = d_.objects.objects().find(ids_[t])->role == ObjectRole::Mirror;
+      reflector.reflectance = {kCoatF0, kCoatF0, kCoatF0};
       Vec3d photo[2]{}, light[2]{};
       size_t well_known = 0;
       for (size_t i = 0; i < pixels_.size(); ++i) {
-        if (thing_[pixels_.face[i]] != int(t)) continue;
-        ++thing.pixels;
+        if (reflector_[pixels_.face[i]] != int(t)) continue;
+        ++reflector.pixels;
         well_known += pixels_.well_known[i];
         photo[pixels_.well_known[i]] += cast<double>(pixels_.photo[i]);
         light[pixels_.well_known[i]] += cast<double>(pixels_.light[i]);
       }
       if (well_known < kFewestPixels) photo[1] += photo[0], light[1] += light[0];
-      thing.metal = thing.metal && std::min({light[1].x, light[1].y, light[1].z}) > 0;
-      if (!thing.metal) continue;
-      for (size_t c = 0; c < 3; ++c) thing.reflectance[c] = float(photo[1][c] / light[1][c]);
-      const float most = std::max({thing.reflectance.x, thing.reflectance.y, thing.reflectance.z});
-      if (most > kBrightestMetal) thing.reflectance = (kBrightestMetal / most) * thing.reflectance;
-      thing.roughness = roughness_of_contrast(
-          well_known_of(int(t)), thing.reflectance,
+      reflector.metal = reflector.metal && std::min({light[1].x, light[1].y, light[1].z}) > 0;
+      if (!reflector.metal) continue;
+      for (size_t c = 0; c < 3; ++c) reflector.reflectance[c] = float(photo[1][c] / light[1][c]);
+      const float most = std::max({reflector.reflectance.x, reflector.reflectance.y, reflector.reflectance.z});
+      if (most > kBrightestMetal) reflector.reflectance = (kBrightestMetal / most) * reflector.reflectance;
+      reflector.roughness = roughness_of_contrast(
+          well_known_of(int(t)), reflector.reflectance,
           [&](std::span<const Vec3f> origins, std::span<const Vec3f> directions) { return light_along(origins, directions); });
     }
-    return things;
+    return reflectors;
   }
 
-  MirroredPixels well_known_of(int thing) const {
+  MirroredPixels well_known_of(int reflector) const {
     MirroredPixels out;
     for (size_t i = 0; i < pixels_.size(); ++i) {
-      if (thing_[pixels_.face[i]] != thing || !pixels_.well_known[i]) continue;
+      if (reflector_[pixels_.face[i]] != reflector || !pixels_.well_known[i]) continue;
       out.view.push_back(pixels_.view[i]), out.x.push_back(pixels_.x[i]), out.y.push_back(pixels_.y[i]);
       out.origins.push_back(pixels_.origins[i]);
       out.normals.push_back(pixels_.normals[i]);
@@ -233,18 +233,18 @@ class PolishedFinder {
     const std::span<const uint16_t> objects = d_.scene.surfels.diffuse.object_ids();
     std::vector<KdTreef::Near> near;
     for (size_t i = 0; i < objects.size(); ++i) {
-      const int thing = thing_of(objects[i]);
-      if (thing < 0 || out.things[size_t(thing)].pixels == 0) continue;
-      out.of_surfel[i] = thing;
+      const int reflector = index_of(objects[i]);
+      if (reflector < 0 || out.reflectors[size_t(reflector)].pixels == 0) continue;
+      out.of_surfel[i] = reflector;
       const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
       tree.nearest({m[0], m[1], m[2]}, kNearFaces, d_.reach, near);
       float faces = 0;
       for (const auto& n : near)
-        if (thing_[n.index] == thing && shown[n.index].views > 0) {
-          for (size_t c = 0; c < 3; ++c) out.gloss[i][c] += std::max(shown[n.index].mean[c] - shown[n.index].paint[c], 0.f);
+        if (reflector_[n.index] == reflector && shown[n.index].views > 0) {
+          for (size_t c = 0; c < 3; ++c) out.coat_light[i][c] += std::max(shown[n.index].mean[c] - shown[n.index].paint[c], 0.f);
           faces += 1;
         }
-      if (faces > 0) out.gloss[i] = out.gloss[i] / faces;
+      if (faces > 0) out.coat_light[i] = out.coat_light[i] / faces;
     }
   }
 
@@ -253,33 +253,35 @@ class PolishedFinder {
   std::vector<Vec3f> normals_;
   std::vector<uint16_t> ids_;     // of mirrors and coats, ascending
   std::vector<uint16_t> object_;  // [face] id, 0: matt
-  std::vector<int> thing_;        // [face] index into ids_, or -1
+  std::vector<int> reflector_;    // [face] index into ids_, or -1
   std::unique_ptr<Tracer> tracer_;
-  PolishedPixels pixels_;
+  ReflectorPixels pixels_;
 };
 
 }  // namespace
 
-Metals find_metals(const MetalsDesc& desc) { return PolishedFinder(desc).run(); }
+Metals find_metals(const MetalsDesc& desc) { return ReflectorFinder(desc).run(); }
 
-void polish_materials(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
+void apply_reflectors(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
                       DecomposedMaterials& materials) {
   const LayerBlend blend = scene.image.composite.blend;
   for (size_t i = 0; i < materials.size(); ++i) {
     if (found.of_surfel[i] < 0) continue;
-    const Polished& thing = found.things[size_t(found.of_surfel[i])];
+    const Reflector& reflector = found.reflectors[size_t(found.of_surfel[i])];
     Vec3f& albedo = materials.albedo[i];
     for (size_t c = 0; c < 3; ++c)
-      albedo[c] = thing.metal ? 0
-                              : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkestRadiance),
-                                                       kLeastPaint, 1.f);
-    if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // this blend has no surface with both paint and its own reflection
-    set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
+      albedo[c] =
+          reflector.metal
+              ? 0
+              : albedo[c] * std::clamp(1 - found.coat_light[i][c] / std::max(radiance[i][c], kDarkestRadiance), kLeastPaint, 1.f);
+    if (!reflector.metal && blend == LayerBlend::RtrGs)
+      continue;  // this blend has no surface with both paint and its own reflection
+    set_reflectance(blend, reflector.reflectance, materials.specular_weight[i], materials.f0[i]);
     materials.transmission[i] = 0;
-    if (thing.roughness)
-      materials.roughness[i] = *thing.roughness;
-    else if (!thing.metal || scene.surfels.reflection.size() == 0)
-      materials.roughness[i] = thing.metal ? kMetalRoughness : kGlazeRoughness;
+    if (reflector.roughness)
+      materials.roughness[i] = *reflector.roughness;
+    else if (!reflector.metal || scene.surfels.reflection.size() == 0)
+      materials.roughness[i] = reflector.metal ? kMetalRoughness : kCoatRoughness;
   }
 }
 

@@ -34,7 +34,7 @@ struct MetalsDesc {
   float reach = 0.05f;             // scene units: search radius of faces for coats; start offset of mirrored rays
 };
 
-struct Polished {
+struct Reflector {
   uint16_t object = 0;                            // id
   bool metal = false;                             // of role mirror, with known light; else a coat
   Vec3f reflectance{};                            // at normal incidence
@@ -43,16 +43,16 @@ struct Polished {
 };
 
 struct Metals {
-  std::vector<Polished> things;
+  std::vector<Reflector> reflectors;
   std::vector<int> of_surfel;  // index, or -1
-  std::vector<Vec3f> gloss;    // [surfels] mean radiance that a coat adds over the views
+  std::vector<Vec3f> coat_light;  // [surfels] mean radiance that a coat adds over the views
 };
 
 Metals find_metals(const MetalsDesc& desc);
 
 // Metals lose their diffuse colour and get their reflectance; coats lose their specular light and reflect as a smooth dielectric.
 // `radiance`: of the surfels, the source of their albedos.
-void polish_materials(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
+void apply_reflectors(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
                       DecomposedMaterials& materials);
 
 // Specular weight and f0 with this reflectance at normal incidence, for the blend; in `RtrGs` a full weight, which leaves no

@@ -100,7 +100,7 @@ nlohmann::ordered_json report_of(const FoundLight& f) {
                                        "albedo {}",
                                        f.config.white_albedo)},
         {"limited_by_bounced_light", solution.scale_by_bounces}}}};
-  if (f.card_beside) report["scale"]["card"] = "in the photo, beside the trained scene";
+  if (f.card_outside_scene) report["scale"]["card"] = "in the photo, beside the trained scene";
   return report;
 }
 

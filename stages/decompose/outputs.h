@@ -41,8 +41,8 @@ struct FoundLight {
   size_t shell_faces = 0;
   float sky_distance = 0;
   const ExtendedWalls& walls;
-  std::optional<float> horizon;  // sine of the elevation above which a mirror shows sky
-  bool card_beside = false;      // the scale is from a card outside the trained scene
+  std::optional<float> horizon;     // sine of the elevation above which a mirror shows sky
+  bool card_outside_scene = false;  // the scale is from a card outside the trained scene
 };
 
 nlohmann::ordered_json report_of(const FoundLight& found);

@@ -128,7 +128,7 @@ void refuse_to_delete_all(const Edit& edit, const char* what) {
 double short_number(float v) { return std::stod(fmt::format("{}", v)); }
 Json numbers(const Vec3f& v) { return {short_number(v.x), short_number(v.y), short_number(v.z)}; }
 
-Json told(const Edit& edit, const Counts& n) {
+Json described(const Edit& edit, const Counts& n) {
   Json json = {{"name", edit.name}, {"select", edit.wanted}};
   if (edit.remove) json["delete"] = true;
   const MaterialChange& set = edit.set;
@@ -146,7 +146,7 @@ Json told(const Edit& edit, const Counts& n) {
   return json;
 }
 
-Json told(const std::vector<MeshComponent>& components) {
+Json described(const std::vector<MeshComponent>& components) {
   Json list = Json::array();
   for (size_t i = 0; i < std::min(components.size(), kListedComponents); ++i) {
     const Bounds3& b = components[i].box;
@@ -193,9 +193,9 @@ void run_edit(const EditConfig&, StageContext& context) {
     if (edit.set.transmission && scene.trained.surfels.transmittance.size() == 0)
       context.warning("NO_GLASS",
                       fmt::format("{}: the scene was trained without glass, so nothing is seen through it", edit.name));
-    report["edits"].push_back(told(edit, n));
+    report["edits"].push_back(described(edit, n));
   }
-  report["components"] = told(selector.components());
+  report["components"] = described(selector.components());
   report["components_in_all"] = selector.components().size();
   const fs::path out = context.output() / "edited";
   write_edit_scene(scene, folders, out);

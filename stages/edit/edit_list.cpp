@@ -44,7 +44,7 @@ class Reader {
     }
     const YamlNode *select = node.find("select"), *set = node.find("set"), *remove = node.find("delete");
     if (select == nullptr) {
-      in_.complain(node, "an edit says what it selects: a class, an object, a box, marks, a component, or 'all'");
+      in_.complain(node, "an edit needs 'select': a class, an object, a box, marks, a component, or 'all'");
     } else if (select->kind == YamlNode::Kind::Scalar) {
       if (select->text != "all") in_.complain(*select, fmt::format("\"{}\" is no selection: 'all', or a map", select->text));
       out.wanted = "all";
@@ -69,23 +69,23 @@ class Reader {
     in_.only_keys(node, keys);
     if (node.kind != YamlNode::Kind::Map) return out;
     if (node.entries.empty()) in_.complain(node, "it selects nothing; 'select: all' selects everything");
-    const auto say = [&](const std::string& text) { words += (words.empty() ? "" : ", ") + text; };
+    const auto add = [&](const std::string& text) { words += (words.empty() ? "" : ", ") + text; };
     if (const YamlNode* kind = node.find("class")) {
       out.kind = mask_class(kind->text);
       if (!out.kind) in_.complain(*kind, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind->text));
-      say(fmt::format("class {}", kind->text));
+      add(fmt::format("class {}", kind->text));
     }
     if (const YamlNode* object = node.find("object")) {
       if (object->kind != YamlNode::Kind::Scalar || object->text.empty())
         in_.complain(*object, "an object is selected by its name in objects/objects.json");
       else
         out.object = object->text;
-      say(fmt::format("object {}", object->text));
+      add(fmt::format("object {}", object->text));
     }
     if (const YamlNode* box = node.find("box")) {
       out.box = world_box(*box);
       if (out.box)
-        say(fmt::format("box [{}, {}, {}] to [{}, {}, {}]", out.box->low.x, out.box->low.y, out.box->low.z, out.box->high.x,
+        add(fmt::format("box [{}, {}, {}] to [{}, {}, {}]", out.box->low.x, out.box->low.y, out.box->low.z, out.box->high.x,
                         out.box->high.y, out.box->high.z));
     }
     if (const YamlNode* marks = node.find("marks")) {
@@ -93,7 +93,7 @@ class Reader {
         in_.complain(*marks, "marks must be a list of marks in photos");
       else
         for (const YamlNode& one : marks->items) add_mark(one, out.marks);
-      say(fmt::format("{} {}", marks->items.size(), marks->items.size() == 1 ? "mark" : "marks"));
+      add(fmt::format("{} {}", marks->items.size(), marks->items.size() == 1 ? "mark" : "marks"));
     }
     if (const YamlNode* component = node.find("component")) {
       const auto n = in_.number(*component);
@@ -101,7 +101,7 @@ class Reader {
         in_.complain(*component, "components are numbered from 1, the one with most faces");
       else if (n)
         out.component = size_t(*n);
-      say(fmt::format("component {}", component->text));
+      add(fmt::format("component {}", component->text));
     }
     if (const YamlNode* except = outer ? node.find("except") : nullptr) {
       std::string left_out;

@@ -96,15 +96,16 @@ StageReport evaluate_report() {
       ReportFigure{kParts, "region_transparent", "Glass", "dB", 1, 27, 22, "Held-out PSNR inside the masks of glass.",
                    "What stands behind the glass, or its reflections, is not yet understood.", "regions.transparent.psnr"}
           .measured_on("regions.transparent.views", kFewestViews, "held-out views"),
-      ReportFigure{kParts, "region_reflective", "Metal and gloss", "dB", 1, 27, 22,
+      ReportFigure{kParts, "region_reflective", "Mirrors and coats", "dB", 1, 27, 22,
                    "Held-out PSNR of what is glossy and not glass.", "Reflections are baked in or smeared.",
                    "regions.reflective.psnr"}
           .measured_on("regions.reflective.views", kFewestViews, "held-out views"),
       ReportFigure{kParts, "region_object", "The object", "dB", 1, 27, 22, "Held-out PSNR inside the object masks.",
                    "The object itself is soft from new places.", "regions.object.psnr"}
           .measured_on("regions.object.views", kFewestViews, "held-out views"),
-      ReportFigure{kParts, "region_rest", "Everything else", "dB", 1, 27, 22, "Held-out PSNR of what is neither glass nor gloss.",
-                   "Even plain surfaces are soft from new places.", "regions.rest.psnr"}
+      ReportFigure{kParts, "region_rest", "Everything else", "dB", 1, 27, 22,
+                   "Held-out PSNR of what is neither glass, mirror nor coat.", "Even plain surfaces are soft from new places.",
+                   "regions.rest.psnr"}
           .measured_on("regions.rest.views", kFewestViews, "held-out views"),
       ReportFigure{kTruth, "truth_rotation", "Camera directions", "deg", 2, 0.5, 2, "Against the truth after alignment, median.",
                    "Poses are off.", "truth.pose.rotation_deg"}

@@ -12,7 +12,7 @@
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {
-  d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.")
+  d.option("formats", c.formats, "Formats to write; the stage's README lists what each holds and loses.")
       .choices(export_format_names());
   d.choice("axes", c.axes, kExportAxesWords,
            "Handedness and up axis of the files: right or left, z or y. GLB is always rhyu, USD always right-handed; the COLMAP "

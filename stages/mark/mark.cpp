@@ -94,7 +94,7 @@ void describe(Describer& d, MarkConfig& c) {
            fmt::format("All photos of the page together: where there are many, each is smaller, down to {} pixels a side.",
                        kLeastSide))
       .range(1, 2000);
-  d.option("command", c.command, "What the page says to run with the marks.");
+  d.option("command", c.command, "Command that the page shows for a run with the marks.");
 }
 
 void write_mark(const std::string& page, const MarkConfig& config, StageContext& context) {

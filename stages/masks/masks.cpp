@@ -16,11 +16,11 @@ namespace vitrine {
 
 namespace {
 
-// What makes this class's masks, as the option says or, for "auto", as the inputs allow.
+// Source of this class's masks: that of the option or, for "auto", the first that the inputs allow.
 MaskSourceKind chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
-                             const std::vector<MarkedThing>& marked, bool network) {
+                             const std::vector<MarkedObject>& marked, bool network) {
   if (config.of(kind).source != MaskSourceKind::Auto) return config.of(kind).source;
-  if (std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); }))
+  if (std::any_of(marked.begin(), marked.end(), [&](const MarkedObject& t) { return marks_class(t.kind, kind); }))
     return MaskSourceKind::Boxes;
   if (folder && folder->file_count(kind) > 0) return MaskSourceKind::Files;
   if (network && !config.onnx.channels_of(kind).empty()) return MaskSourceKind::Onnx;
@@ -28,7 +28,7 @@ MaskSourceKind chosen_source(MaskClass kind, const MasksConfig& config, const st
   return kind == MaskClass::Transparent || kind == MaskClass::Specular ? MaskSourceKind::Proposed : MaskSourceKind::None;
 }
 
-void tell_all_white(MaskClass kind, const MasksConfig& config, const PhotoMasks& masks, StageContext& context) {
+void report_all_white(MaskClass kind, const MasksConfig& config, const PhotoMasks& masks, StageContext& context) {
   const std::string text =
       fmt::format("all masks of the class '{}' are {} everywhere", name(kind), masks.black_belongs() ? "black" : "white");
   const std::string turned = fmt::format("--set masks.{}.polarity={} turns them round", name(kind),
@@ -49,7 +49,7 @@ std::unique_ptr<FileSource> file_source(MaskClass kind, const MasksConfig& confi
   auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
   for (const Note& note : source->notes()) context.warning(note.code, note.text);
   const size_t views = capture.set.views.size();
-  if (source->masks().everything()) tell_all_white(kind, config, source->masks(), context);
+  if (source->masks().everything()) report_all_white(kind, config, source->masks(), context);
   if (source->matched() < views && !source->masks().nothing())
     context.warning("MASKS_INCOMPLETE",
                     fmt::format("{} of {} photos have no mask of the class '{}'", views - source->matched(), views, name(kind)));
@@ -92,7 +92,7 @@ void sources_of_network(const MasksConfig& config, const MaskCapture& capture, c
 }
 
 // Warns about a network that no class uses: the user would notice only after hours of training.
-void tell_unused_network(const MasksConfig& config, const fs::path& file, StageContext& context) {
+void report_unused_network(const MasksConfig& config, const fs::path& file, StageContext& context) {
   const bool named = std::ranges::any_of(kMaskClasses, [&](MaskClass kind) { return !config.onnx.channels_of(kind).empty(); });
   if (!named)
     throw Error(ErrorKind::Usage, "a network is given, and no class names its channels",
@@ -140,12 +140,12 @@ void describe(Describer& d, MaskClassConfig& c) {
 void describe(Describer& d, MasksConfig& c) {
   d.group("object", c.object, "What the capture is about.");
   d.group("transparent", c.transparent, "Glass: what is behind it shows through.");
-  d.group("specular", c.specular, "What mirrors: polished metal, mirrors, glass.");
+  d.group("specular", c.specular, "Surfaces that mirror: bare metal, mirrors, glass.");
   d.group("ignore", c.ignore, "What no photo should be held to: passers-by, a tripod, a hand.");
   d.choice("flat", c.flat, kMaskClassWords, "Class of mask files that do not lie in a folder called like a class.");
   d.choice(
       "frame", c.frame, {"auto", "photo", "undistorted"},
-      "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).");
+      "Pictures on which the files were drawn: the photos as taken (photo), undistorted (undistorted), or found by size (auto).");
   d.group("onnx", c.onnx, "The segmentation network given as input.mask_network: what goes in, what comes out.");
   d.group("proposed", c.proposed, "Masks that nobody drew: display cases, and mirrors.");
 }
@@ -154,10 +154,10 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const MaskCapture capture = read_mask_capture(context.input("sfm"));
   std::optional<MaskFolder> folder;
-  std::vector<MarkedThing> marked;
+  std::vector<MarkedObject> marked;
   if (const auto path = context.optional_input("masks"); path && is_yaml_file(*path)) {
     Marks marks = read_marks(*path, capture);
-    marked = std::move(marks.things);
+    marked = std::move(marks.objects);
     if (!marks.without_camera.empty())
       context.warning("MASKS_WITHOUT_CAMERA", fmt::format("what is marked in {} does not count: sfm could not place {}",
                                                           fmt::join(marks.without_camera, ", "),
@@ -182,7 +182,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   if (!from_network.empty())
     sources_of_network(config, capture, network, from_network, context, sources);
   else if (network)
-    tell_unused_network(config, *network, context);
+    report_unused_network(config, *network, context);
   std::shared_ptr<const Proposal> proposal;
   std::shared_ptr<const MarkedMasks> carried;
   std::array<std::unique_ptr<FileSource>, kMaskClassCount> from_files;
@@ -225,12 +225,12 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   make_folders(context.output() / "masks");
   const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output()};
   const MaskResults results = write_masks(desc, context);
-  std::vector<std::string> things;
+  std::vector<std::string> objects;
   if (carried) {
-    write_marked_things(context.output(), capture, *carried);
-    for (const CarriedThing::Summary& t : carried->things) things.push_back(t.word);
+    write_marked_objects(context.output(), capture, *carried);
+    for (const CarriedObject::Summary& t : carried->objects) objects.push_back(t.word);
   }
-  write_mask_report(desc, results, things);
+  write_mask_report(desc, results, objects);
   write_contact_sheet(desc, results);
 
   std::string summary;
@@ -258,7 +258,7 @@ Stage masks_stage() {
                  {.name = "mask_network",
                   .artifact = false,
                   .optional = true,
-                  .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}},
+                  .doc = "a network that segments glass, mirrors or the object in one photo (ONNX)"}},
       .doing = "finding glass and mirrors",
       .cost = masks_cost};
   return make_stage<MasksConfig>(std::move(info), run_masks, {}, problem);

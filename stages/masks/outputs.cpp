@@ -118,7 +118,7 @@ MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
   return results;
 }
 
-void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things) {
+void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& objects) {
   const std::vector<View>& views = desc.capture.set.views;
   nlohmann::ordered_json j;
   j["photos"] = views.size();
@@ -140,7 +140,7 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, c
     }
     j["classes"][std::string(name(kind))] = std::move(row);
   }
-  write_mask_origins(desc.output, origins, things);
+  write_mask_origins(desc.output, origins, objects);
   write_file(desc.output / "masks/report.json", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 

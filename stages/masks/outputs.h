@@ -35,8 +35,8 @@ struct MaskOutputDesc {
 float value_without_mask(MaskClass kind);
 
 MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context);
-// `things`: names of the marked objects.
-void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things = {});
+// `objects`: names of the marked objects.
+void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& objects = {});
 
 // Writes masks/contact_sheet.png for visual inspection: some photos, overlaid with the classes and the confidence. Writes nothing
 // when no class was kept. Reads the masks from the output folder.

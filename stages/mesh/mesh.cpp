@@ -277,13 +277,13 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
 
 void describe(Describer& d, RegionDesc& c) {
   d.option("reach_rel", c.reach_rel,
-           "Cameras that look at one place: sparse points, and surfels of glass and gloss, count up to this times the median "
+           "Cameras that look at one place: sparse points, and surfels of glass and mirrors, count up to this times the median "
            "camera distance from it.")
       .range(0.05, 100);
   d.option("margin", c.margin, "Added on each side, relative to the longest side.").range(0, 2);
   d.option(
       "box", c.box,
-      "The region itself: x0 y0 z0 x1 y1 z1 in the scene frame; empty = found from cameras, sparse points, glass and gloss.");
+      "The region itself: x0 y0 z0 x1 y1 z1 in the scene frame; empty = found from cameras, sparse points, glass and mirrors.");
 }
 
 void describe(Describer& d, MeshFusionConfig& c) {

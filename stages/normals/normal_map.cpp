@@ -144,8 +144,8 @@ NormalMap read_normal_file(const fs::path& file, const View& view) {
   NormalMap map(pixels.width(), pixels.height());
   map.normal = std::move(d.normal);
   ImageF given;
-  const fs::path beside = file.parent_path() / (file.stem().string() + "_confidence.png");
-  if (fs::exists(beside)) given = resized(read_unchanged(beside), pixels.width(), pixels.height());
+  const fs::path confidence_file = file.parent_path() / (file.stem().string() + "_confidence.png");
+  if (fs::exists(confidence_file)) given = resized(read_unchanged(confidence_file), pixels.width(), pixels.height());
   for (int y = 0; y < pixels.height(); ++y)
     for (int x = 0; x < pixels.width(); ++x)
       if (squared_length(map.at(x, y)) > 0) map.confidence.at(x, y) = given.empty() ? 1.f : given.at(x, y);

@@ -99,10 +99,10 @@ std::vector<SpaceCandidate> detected_space(std::span<const SpaceSample> samples,
     why = fmt::format("{} ({:.0f} degrees off) and {} ({:.0f}) fit alike", best.space.name(), best.error_deg, second.space.name(),
                       second.error_deg);
   if (!why.empty())
-    throw Error(ErrorKind::Input, "the frame of the normals cannot be told",
+    throw Error(ErrorKind::Input, "the frame of the normals is ambiguous",
                 {.where = what,
                  .why = why,
-                 .hint = fmt::format("say it: --set normals.files.space= (or normals.onnx.space=) one of {}",
+                 .hint = fmt::format("name it: --set normals.files.space= (or normals.onnx.space=) one of {}",
                                      fmt::join(normal_space_names(), ", ")),
                  .code = "AMBIGUOUS_NORMAL_SPACE"});
   return candidates;

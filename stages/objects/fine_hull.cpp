@@ -71,8 +71,8 @@ TriMesh soft_surface(const Bounds3& bounds, double cell, const std::function<flo
 TriMesh fine_hull(const Carving& carving, const Bounds3& bounds, double cell, const std::function<int(const Vec3d&)>& known) {
   return soft_surface(bounds, cell, [&](const Vec3d& p) {
     thread_local std::vector<float> scratch;
-    const int told = known(p);
-    return told >= 0 ? float(told) : carving.occupancy(p, scratch);
+    const int certain = known(p);
+    return certain >= 0 ? float(certain) : carving.occupancy(p, scratch);
   });
 }
 

@@ -196,7 +196,7 @@ class ObjectsRun {
     if (!masks_) return;
     const auto [first, second] = unused_ids();
     const UnlocatedObjects unlocated{first, second};
-    const std::vector<std::string> things = marked_objects(*masks_);
+    const std::vector<std::string> names = marked_objects(*masks_);
     std::vector<PhotoCounts> photos(views_.views.size());
     parallel_for(views_.views.size(), 1, [&](size_t v) {
       if (interrupt_signal() != 0) return;
@@ -205,14 +205,13 @@ class ObjectsRun {
       const fs::path path = label_path(context_.output(), views_.views[v]);
       make_folders(path.parent_path());
       write_png16(path, labels);
-      if (!is_heldout(v, config_.holdout_every))
-        photos[v] = counted(labels, marked_objects_path(*masks_, views_.views[v]), things);
+      if (!is_heldout(v, config_.holdout_every)) photos[v] = counted(labels, marked_objects_path(*masks_, views_.views[v]), names);
     });
     throw_if_interrupted();
     PhotoCounts all;
     for (const PhotoCounts& photo : photos) {
       for (const auto& [id, count] : photo.pixels) all.pixels[id] += count, ++all.views[id];
-      for (const auto& [pair, count] : photo.things) all.things[pair] += count;
+      for (const auto& [pair, count] : photo.marked) all.marked[pair] += count;
     }
     for (const auto& [id, role] : {std::pair{unlocated.glass, ObjectRole::ThinGlass}, {unlocated.specular, ObjectRole::Coat}}) {
       double of_class = double(all.pixels[id]);
@@ -228,17 +227,17 @@ class ObjectsRun {
     }
     std::ranges::sort(set_.objects, {}, &Object::id);
     for (Object& object : set_.objects) object.evidence.views = all.views[object.id];
-    if (!given_) take_names(all, things);
+    if (!given_) take_names(all, names);
     context_.progress({.fraction = 0.9, .text = "labels written", .values = {}});
   }
 
   struct PhotoCounts {
     std::map<uint16_t, size_t> pixels, views;                // [id]
-    std::map<std::pair<uint16_t, uint16_t>, size_t> things;  // [id, 1 + marked object] pixels
+    std::map<std::pair<uint16_t, uint16_t>, size_t> marked;  // [id, 1 + marked object] pixels
   };
-  static PhotoCounts counted(const Image16& labels, const fs::path& marked, const std::vector<std::string>& things) {
+  static PhotoCounts counted(const Image16& labels, const fs::path& marked, const std::vector<std::string>& names) {
     PhotoCounts out;
-    const ImageF marks = !things.empty() && fs::exists(marked) ? read_unchanged(marked) : ImageF();
+    const ImageF marks = !names.empty() && fs::exists(marked) ? read_unchanged(marked) : ImageF();
     for (int y = 0; y < labels.height(); ++y)
       for (int x = 0; x < labels.width(); ++x) {
         const uint16_t id = labels.at(x, y);
@@ -246,22 +245,21 @@ class ObjectsRun {
         ++out.pixels[id];
         if (marks.empty()) continue;
         const float value = marks.at(x * marks.width() / labels.width(), y * marks.height() / labels.height(), 0);
-        if (const auto thing = uint16_t(std::lround(65535.f * value)); thing > 0 && thing <= things.size())
-          ++out.things[{id, thing}];
+        if (const auto mark = uint16_t(std::lround(65535.f * value)); mark > 0 && mark <= names.size()) ++out.marked[{id, mark}];
       }
     return out;
   }
 
   // An object takes the name of the marked object that most of its pixels belong to.
-  void take_names(const PhotoCounts& counts, const std::vector<std::string>& things) {
+  void take_names(const PhotoCounts& counts, const std::vector<std::string>& names) {
     for (Object& object : set_.objects) {
       size_t most = 0, of = 0;
-      for (size_t t = 1; t <= things.size(); ++t)
-        if (const auto found = counts.things.find({object.id, uint16_t(t)}); found != counts.things.end() && found->second > most)
+      for (size_t t = 1; t <= names.size(); ++t)
+        if (const auto found = counts.marked.find({object.id, uint16_t(t)}); found != counts.marked.end() && found->second > most)
           most = found->second, of = t;
-      if (of == 0 || things[of - 1].empty() || 2 * most < counts.pixels.at(object.id)) continue;
+      if (of == 0 || names[of - 1].empty() || 2 * most < counts.pixels.at(object.id)) continue;
       object.name.clear();
-      object.name = unused_name(things[of - 1]);
+      object.name = unused_name(names[of - 1]);
     }
   }
 

@@ -227,10 +227,10 @@ void find_solids(ObjectSet& set, const SolidTrialDesc& desc) {
     throw_if_interrupted();
     if (!stereo) stereo.emplace(read_photos(desc.sfm, desc.views, desc.holdout_every), desc.views);
     if (stereo->blind()) return;
-    const auto said = trial(*stereo, *shape, marked_pixels(*shape, stereo->views(), desc));
-    if (!said) continue;
-    object.evidence.straight = said->straight, object.evidence.bent = said->bent;
-    if (said->solid()) object.role = ObjectRole::SolidGlass;
+    const auto result = trial(*stereo, *shape, marked_pixels(*shape, stereo->views(), desc));
+    if (!result) continue;
+    object.evidence.straight = result->straight, object.evidence.bent = result->bent;
+    if (result->solid()) object.role = ObjectRole::SolidGlass;
   }
 }
 

@@ -22,7 +22,7 @@ void describe(Describer& d, OptimizeConfig& c) {
            "objects that are only guessed.");
   d.option(
       "opaque_twin", c.opaque_twin,
-      "Trains a scene with glass or gloss a second time, as opaque surfels alone: pictures of it as photographed are a mean of "
+      "Trains a scene with glass or mirrors a second time, as opaque surfels alone: pictures of it as photographed are a mean of "
       "both, in which the better one of an object has more weight.");
   d.option("sh_degree", c.sh_degree, "View dependence of the colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("max_side", c.max_side, "Longest side of the photos in training, pixels; larger photos are reduced.").range(16, 16384);

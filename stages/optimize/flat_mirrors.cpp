@@ -82,8 +82,8 @@ struct Scenery {
 
 }  // namespace
 
-FlatMirrors::FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, const SplatLayer& diffuse)
-    : desc_(desc), gloss_(gloss), diffuse_(diffuse) {
+FlatMirrors::FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& specular, const SplatLayer& diffuse)
+    : desc_(desc), specular_(specular), diffuse_(diffuse) {
   if (!desc.config.shading.shapes) return;
   for (size_t e = 0; e < desc.shapes.entries.size(); ++e)
     if (desc.shapes.entries[e].role == ShapeRole::Mirror && std::holds_alternative<Plane>(desc.shapes.entries[e].shape))
@@ -91,7 +91,7 @@ FlatMirrors::FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, c
   if (mirrors_.empty()) return;
   std::vector<uint32_t> owner(diffuse.size(), UINT32_MAX);
   parallel_for(diffuse.size(), 64, [&](size_t i) {
-    if (gloss.share(i) < kInMirror) return;
+    if (specular.share(i) < kInMirror) return;
     size_t most = 0;
     for (uint32_t m = 0; m < mirrors_.size(); ++m) {
       const ShapeSet::Entry& entry = desc.shapes.entries[mirrors_[m].entry];
@@ -108,15 +108,15 @@ FlatMirrors::FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, c
 bool FlatMirrors::sees(const Plane& plane, double tolerance, const Vec3d& place, size_t& through) const {
   const Facet front = plane.facets().front();
   if (dot(front.normal, place) > front.offset - tolerance) return false;
-  size_t beside = 0;
+  size_t past = 0;
   for (const uint32_t photo : desc_.capture.train) {
     const View& view = desc_.capture.photos[photo].levels[0].view;
     if (!image_point(place, view, 1e-6)) continue;
     const Vec3d eye = view.centre_in_world();
     const auto hit = plane.intersect({eye, place - eye});
-    ++(hit && hit->t < 1 ? through : beside);
+    ++(hit && hit->t < 1 ? through : past);
   }
-  return through > beside;
+  return through > past;
 }
 
 Plane FlatMirrors::registered(const Mirror& mirror) const {
@@ -124,7 +124,7 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   Facet plane = start.facets().front();
   Scenery scenery;
   for (uint32_t i = 0; i < diffuse_.size(); ++i) {
-    if (gloss_.share(i) > kBesideMirror || is_glass(diffuse_, i) ||
+    if (specular_.share(i) > kBesideMirror || is_glass(diffuse_, i) ||
         sigmoid(*diffuse_.at(Attribute::Opacity, i)) < kSurfaceOpacity)
       continue;
     const Vec3d place = place_of(diffuse_, i);

@@ -12,8 +12,8 @@ namespace vitrine {
 
 class FlatMirrors {
  public:
-  // `gloss`: evidence of the specular masks. Keeps references.
-  FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& gloss, const SplatLayer& diffuse);
+  // `specular`: evidence of the specular masks. Keeps references.
+  FlatMirrors(const LayerInitDesc& desc, const MaskEvidence& specular, const SplatLayer& diffuse);
 
   bool empty() const { return mirrors_.empty(); }
   // Moves the planes of `shapes` (those of the desc) by point-to-plane registration (Chen and Medioni, "Object modelling by
@@ -32,7 +32,7 @@ class FlatMirrors {
   Plane registered(const Mirror& mirror) const;
 
   const LayerInitDesc& desc_;
-  const MaskEvidence& gloss_;
+  const MaskEvidence& specular_;
   const SplatLayer& diffuse_;
   std::vector<Mirror> mirrors_;
 };

@@ -231,18 +231,19 @@ void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) 
   keep_surfels(diffuse, stay);
 }
 
-// Pixel counts over all training photos; `gloss`: inside the specular and outside the transparent mask.
-struct GlossPixels {
-  size_t gloss = 0, all = 0;
+// Pixel counts over all training photos; `mirror`: inside the specular and outside the transparent mask.
+struct MirrorPixels {
+  size_t mirror = 0, all = 0;
 };
-GlossPixels gloss_pixels(const LayerInitDesc& desc) {
-  GlossPixels out;
+MirrorPixels mirror_pixels(const LayerInitDesc& desc) {
+  MirrorPixels out;
   for (uint32_t photo : desc.capture.train) {
     const Intrinsics& k = desc.capture.photos[photo].levels[kEvidenceLevel].view.intrinsics;
     out.all += k.pixel_count();
     const auto& masks = desc.targets.photos[photo][kEvidenceLevel].masks;
     const auto &specular = masks[size_t(MaskClass::Specular)], &transparent = masks[size_t(MaskClass::Transparent)];
-    for (size_t i = 0; i < specular.size(); ++i) out.gloss += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);
+    for (size_t i = 0; i < specular.size(); ++i)
+      out.mirror += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);
   }
   return out;
 }
@@ -275,17 +276,17 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
     const float share = reflected[i] ? 0 : specular.share(i);
     const float* mean = diffuse.at(Attribute::Mean, i);
     const bool far_off = !around.empty() && !around.contains(Vec3f{mean[0], mean[1], mean[2]});
-    const float gloss = !masked ? 1.f : far_off ? 0.f : std::max(share - transparent.share(i), 0.f);
+    const float mirror_share = !masked ? 1.f : far_off ? 0.f : std::max(share - transparent.share(i), 0.f);
     const float painted = masked ? coat.share(i) : 0.f;
     const auto mixed = [&](Attribute a, double outside, double inside, double under_coat) {
-      set(diffuse, a, i, outside + gloss * (inside - outside) + painted * (under_coat - outside));
+      set(diffuse, a, i, outside + mirror_share * (inside - outside) + painted * (under_coat - outside));
     };
     if (!is_glass(diffuse, i)) {  // glass placed earlier has its materials
       mixed(Attribute::SpecularWeight, kDull, phase.specular_weight, phase.coat_specular_weight);
       mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0, phase.coat_f0);
     }
     if (!masked || share + painted < kMostlyInside) dull.push_back(index);
-    (hull.points.empty() || gloss < kBehindGlass ? stay : gone).push_back(index);
+    (hull.points.empty() || mirror_share < kBehindGlass ? stay : gone).push_back(index);
   }
   const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialLayerShare * double(cap)));
   const auto far = static_cast<size_t>(kShellShare * double(count));
@@ -300,25 +301,25 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
   keep_surfels(diffuse, stay);
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  const GlossPixels pictured = gloss_pixels(desc);
-  const bool told = pictured.gloss >= kTellingPixels;
-  const bool shaped = told && std::ranges::any_of(hull.points, &SurfaceSeed::known);
+  const MirrorPixels pictured = mirror_pixels(desc);
+  const bool determined = pictured.mirror >= kTellingPixels;
+  const bool shaped = determined && std::ranges::any_of(hull.points, &SurfaceSeed::known);
   // Same number of surfels per pixel as in the rest of the scene.
   const auto fair =
       std::max(kFewestShapePoints,
-               static_cast<size_t>(double(pictured.gloss) / double(std::max<size_t>(pictured.all, 1)) * double(diffuse_cap)));
+               static_cast<size_t>(double(pictured.mirror) / double(std::max<size_t>(pictured.all, 1)) * double(diffuse_cap)));
   const size_t wanted =
       shaped ? std::min(static_cast<size_t>(phase.known_hull_points), fair) : static_cast<size_t>(phase.hull_points);
   const auto taken = append_hull(desc, hull, std::min(room, wanted), color, diffuse);
   counts.hull = taken.size();
-  if (told) {
+  if (determined) {
     for (const SurfaceSeed& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
     counts.shapes = desc.shapes.no_glass();
   }
   for (size_t k = 0; k < taken.size(); ++k) {
-    const bool known = told && hull.points[taken[k]].known;
+    const bool known = determined && hull.points[taken[k]].known;
     set(diffuse, Attribute::SpecularWeight, first + k, known ? phase.known_specular_weight : phase.specular_weight);
     set(diffuse, Attribute::F0, first + k, known ? phase.known_f0 : phase.f0);
   }

@@ -141,7 +141,7 @@ SplatLayer trained_twin(const TrainerSetup& layered, LazyDepth& depth, StageCont
   return trainer->scene().diffuse;
 }
 
-void say(const Surroundings& surroundings) {
+void log(const Surroundings& surroundings) {
   constexpr const char* kOtherwise = " (--set optimize.surroundings=train)";
   if (surroundings.trained == Trained::ObjectAlone)
     log_info("the object is trained alone{}",
@@ -171,11 +171,11 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   LazyDepth depth(config, capture, context);
   const Surroundings surroundings = surroundings_to_train(
       config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
-  say(surroundings);
+  log(surroundings);
   const bool alone = surroundings.trained != Trained::Everything, still_part = surroundings.trained == Trained::StillPart;
   if (!alone) targets.forget(MaskClass::Object);  // the object loss would suppress everything outside the object
   if (capture.view_set.points.empty())
-    context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
+    context.warning("NO_SPARSE_POINTS", "no sparse point gives a depth: the first surfels lie at random distances");
   const bool has_twin = config.opaque_twin && layers.any();
   const std::vector<uint8_t> judges = has_twin ? judging_photos(capture) : std::vector<uint8_t>();
   const TrainerSetup setup{.config = config,

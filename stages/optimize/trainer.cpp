@@ -229,7 +229,7 @@ void Trainer::fill_beside_glass() {
   if (from_behind_glass_ == 0) return;
   training(LayerKind::Transmittance).keep_only(stay);
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());
-  log_info("step {}: {} surfels of walls that photos show through glass alone close gaps beside the glass", step_index(),
+  log_info("step {}: {} surfels of walls that photos show through glass alone close gaps next to the glass", step_index(),
            from_behind_glass_);
 }
 

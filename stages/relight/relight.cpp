@@ -115,8 +115,8 @@ void write_settings(const fs::path& path, const RelightConfig& c, double exposur
 void describe(Describer& d, RelightConfig& c) {
   d.choice("views", c.views, kViewChoiceWords, "Cameras: held-out photos, training photos, both, or those of the input `path`.");
   d.option("turntable", c.turntable, "Frames of a camera that goes around the scene; 0 = the views.").range(0, 100000);
-  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
-  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
+  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Samples a pixel: noise halves with four times as many.").range(1, 65536);
   d.option("seed", c.seed, "Another seed, another noise.").range(0, 1e9);
   d.option("rotate", c.rotate, "Turns the environment about +z, counter-clockwise seen from above, degrees.")

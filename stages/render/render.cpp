@@ -56,8 +56,8 @@ void describe(Describer& d, RenderConfig& c) {
   d.choice("camera", c.camera, kRenderCameraWords,
            "Pictures: perspective, or equirect (the whole sphere around each camera, 2:1, upright).");
   d.option("layers", c.layers, "Also write what the pictures are made of, as EXR.");
-  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
-  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
+  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
   d.choice("backend", c.backend, {"reference", "cpu"}, "Renderer: cpu, or reference (slow, double precision).");
 }

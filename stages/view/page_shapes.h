@@ -1,4 +1,4 @@
-// Known shapes for the page: triangles, which are more accurate than surfels for sheets of glass and polished surfaces, and
+// Known shapes for the page: triangles, which are more accurate than surfels for sheets of glass and for mirrors, and
 // mirror planes.
 #pragma once
 

@@ -14,8 +14,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kPolished = 0.3f;         // minimum k_s or f0 of a polished surfel, as in ShapeOptions
-constexpr double kExtentQuantile = 0.05;  // quantile of the positions of polished surfels: robust extent
+constexpr float kSpecular = 0.3f;         // minimum k_s or f0 of a specular surfel, as in ShapeOptions
+constexpr double kExtentQuantile = 0.05;  // quantile of the positions of specular surfels: robust extent
 constexpr float kLift = 4;                // in grains of the mesh: ray offset from a known shape, clear of its mesh
 constexpr int kMostBumps = 4;
 constexpr float kFree = 0.1f;     // in grains
@@ -40,7 +40,7 @@ std::vector<ProbeSite> probe_sites(const RelitScene& scene, const Vec3d& middle)
   const SplatLayer& surfels = scene.trained.surfels.diffuse;
   for (size_t i = 0; i < surfels.size(); ++i) {
     const RelitMaterial m = scene.material(i);
-    if (is_glass(surfels, i) || std::max(m.specular, (m.f0.x + m.f0.y + m.f0.z) / 3) <= kPolished) continue;
+    if (is_glass(surfels, i) || std::max(m.specular, (m.f0.x + m.f0.y + m.f0.z) / 3) <= kSpecular) continue;
     for (size_t c = 0; c < 3; ++c) places[c].push_back(surfels.at(Attribute::Mean, i)[c]);
   }
   if (places[0].empty()) return {{.centre = middle, .extent = {}}};

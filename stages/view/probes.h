@@ -1,6 +1,7 @@
-// Light probes for reflections of polished surfaces under another light: seen from their centre, the radiance of the mesh in all
-// directions (core/render/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance from the
-// centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection layer.)
+// Light probes for reflections of specular surfaces under another light: seen from their centre, the radiance of the mesh in all
+// directions (core/render/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance
+// from the centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection
+// layer.)
 //
 // Directions: octahedral map (core/scene/light/environment.h).
 //
@@ -27,7 +28,7 @@ struct Probe {
 // At this distance a ray is clear of the mesh and the surfels of the surface it leaves.
 float clear_of_surface(const RelitScene& scene, const LightTransfer& transfer);
 
-// One probe per known opaque shape, at its centre; otherwise one at the centre of the polished surfels; otherwise one at
+// One probe per known opaque shape, at its centre; otherwise one at the centre of the specular surfels; otherwise one at
 // `middle`. Never empty.
 std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle);
 

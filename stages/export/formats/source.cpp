@@ -180,7 +180,7 @@ const TriMesh& ExportSource::mesh() {
 
 const DecomposedMaterials& ExportSource::decomposed() {
   if (decomposed_) return *decomposed_;
-  VITRINE_CHECK(inputs_.decompose, "asked for materials of a stage that did not run");
+  VITRINE_CHECK(inputs_.decompose, "materials of a stage that did not run were requested");
   decomposed_ = read_decomposed_materials(*inputs_.decompose, scene().surfels);
   return *decomposed_;
 }

@@ -22,7 +22,7 @@ constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence of propagated and of doubted pixels
 constexpr double kPastShare = 0.5;                 // share of the time spent on stereo
 
-bool wants_outlines(const MarkedThing& thing) { return thing.kind != MaskClass::Transparent; }
+bool wants_outlines(const MarkedObject& object) { return object.kind != MaskClass::Transparent; }
 
 }  // namespace
 
@@ -30,14 +30,14 @@ bool marks_class(MaskClass kind, MaskClass of) {
   return kind == of || (kind == MaskClass::Transparent && of == MaskClass::Specular);
 }
 
-std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedThing>& things,
+std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedObject>& objects,
                                                int hull_voxels, const std::function<void(double)>& progress) {
   auto masks = std::make_shared<MarkedMasks>();
   const std::vector<View> views = small_views(capture, kSmallSide);
-  const bool looks = std::ranges::any_of(things, wants_outlines);
+  const bool looks = std::ranges::any_of(objects, wants_outlines);
   const std::vector<SmallPhoto> photos = looks ? small_photos(capture, kSmallSide) : std::vector<SmallPhoto>{};
   std::optional<SmallStereo> stereo;
-  if (std::ranges::any_of(things, mirror_in_boxes)) {
+  if (std::ranges::any_of(objects, mirror_in_boxes)) {
     stereo.emplace(edge_photos(photos), capture.set);
     progress(kPastShare);
   }
@@ -56,15 +56,15 @@ std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const
   std::vector<std::vector<float>> nearest;  // [view][h,w] depth of the nearest object
   for (const std::vector<uint16_t>& shown : masks->shown)
     nearest.emplace_back(shown.size(), std::numeric_limits<float>::infinity());
-  for (size_t t = 0; t < things.size(); ++t) {
-    const CarriedThing carried = carry_thing(desc, things[t]);
-    log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
+  for (size_t t = 0; t < objects.size(); ++t) {
+    const CarriedObject carried = carry_object(desc, objects[t]);
+    log_info("masks: '{}' from {} marks is at most {:.2f} across{}", objects[t].name, carried.summary.marks, carried.summary.edge,
              carried.summary.voted ? "; its outlines were looked for in all photos"
              : carried.summary.box_agreement > 0
                  ? fmt::format("; a box has these outlines ({:.0f} % of the pixels)", 100 * carried.summary.box_agreement)
                  : "");
-    masks->things.push_back(carried.summary);
-    if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
+    masks->objects.push_back(carried.summary);
+    if (objects[t].kind != MaskClass::Object && objects[t].kind != MaskClass::Ignore)
       for (size_t v = 0; v < views.size(); ++v) {
         const Bounds3& hull = carried.hull.bounds();
         const auto middle = float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // for gaps of the hull
@@ -76,19 +76,19 @@ std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const
       }
     for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
-        if (!marks_class(things[t].kind, kind)) continue;
+        if (!marks_class(objects[t].kind, kind)) continue;
         for (size_t i = 0; i < carried.inside[v].size(); ++i) {
           masks->inside[v][size_t(kind)][i] |= carried.inside[v][i];
           masks->doubted[v][size_t(kind)][i] |= carried.doubted[v][i];
         }
       }
-    progress(begun + (1 - begun) * double(t + 1) / double(things.size()));
+    progress(begun + (1 - begun) * double(t + 1) / double(objects.size()));
   }
   return masks;
 }
 
-void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks) {
-  if (std::ranges::all_of(masks.things, [](const CarriedThing::Summary& t) { return t.word.empty(); })) return;
+void write_marked_objects(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks) {
+  if (std::ranges::all_of(masks.objects, [](const CarriedObject::Summary& t) { return t.word.empty(); })) return;
   parallel_for(masks.shown.size(), 1, [&](size_t v) {
     Image16 image(masks.sizes[v].width, masks.sizes[v].height, 1);
     std::ranges::copy(masks.shown[v], image.data().begin());
@@ -111,7 +111,7 @@ std::optional<SoftMask> MarkedSource::at(size_t view) const {
 
 void MarkedSource::report(nlohmann::ordered_json& j) const {
   j["things"] = nlohmann::ordered_json::array();
-  for (const CarriedThing::Summary& t : masks_->things)
+  for (const CarriedObject::Summary& t : masks_->objects)
     if (marks_class(t.kind, kind_))
       j["things"].push_back({{"name", t.name},
                              {"marks", t.marks},

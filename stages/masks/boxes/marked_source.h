@@ -10,19 +10,19 @@
 #include <functional>
 #include <memory>
 
-#include "stages/masks/boxes/carried_thing.h"
+#include "stages/masks/boxes/carried_object.h"
 
 namespace vitrine {
 
 struct MarkedMasks {
-  std::vector<CarriedThing::Summary> things;
+  std::vector<CarriedObject::Summary> objects;
   std::vector<Intrinsics> sizes;                                           // [view]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
   std::vector<std::vector<uint16_t>> shown;                                // [view][h,w] 1 + index of the nearest object; 0: none
 };
 // Throws Error{Input} when the cones of the marks of an object have no common point.
-std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedThing>& things,
+std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedObject>& objects,
                                                int hull_voxels, const std::function<void(double)>& progress);
 
 class MarkedSource final : public MaskSource {
@@ -40,7 +40,7 @@ class MarkedSource final : public MaskSource {
 };
 
 // Writes masks/marked when an object has a name (core/scene/camera/view_masks.h).
-void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks);
+void write_marked_objects(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks);
 
 // True if marks of class `kind` also mark class `of`.
 bool marks_class(MaskClass kind, MaskClass of);

@@ -32,17 +32,17 @@ class Reader {
       for (const YamlNode& mark : marks->items) read_mark(mark, size);
     }
     in_.finish("stages/masks/README.md shows the format");
-    for (const MarkedThing& thing : things_)
-      if (thing.marks.size() < 2)
-        in_.complain(fmt::format("'{}' is marked in {}{}; where it stands takes two from different sides", thing.name,
-                                 thing.marks.empty() ? "no photo that has a camera" : "one photo only", lost_marks_of(thing)));
+    for (const MarkedObject& object : objects_)
+      if (object.marks.size() < 2)
+        in_.complain(fmt::format("'{}' is marked in {}{}; its position needs two from different sides", object.name,
+                                 object.marks.empty() ? "no photo that has a camera" : "one photo only", lost_marks_of(object)));
     in_.finish(
-        "mark the same thing in another photo, better in three (vitrine mark shows them); give different things of a class a "
-        "'thing' each");
+        "mark the same object in another photo, better in three (vitrine mark shows them); give each of several objects of a "
+        "class a 'thing', its name");
     std::vector<std::string> lost;
-    for (const auto& [thing, photo] : lost_)
+    for (const auto& [object, photo] : lost_)
       if (std::ranges::find(lost, photo) == lost.end()) lost.push_back(photo);
-    return {std::move(things_), std::move(lost)};
+    return {std::move(objects_), std::move(lost)};
   }
 
  private:
@@ -55,10 +55,10 @@ class Reader {
     return meant.photo && *meant.photo >= capture_.set.views.size();
   }
 
-  std::string lost_marks_of(const MarkedThing& thing) const {
+  std::string lost_marks_of(const MarkedObject& object) const {
     std::vector<std::string> photos;
     for (const auto& [of, photo] : lost_)
-      if (of == thing.name) photos.push_back(photo);
+      if (of == object.name) photos.push_back(photo);
     return photos.empty() ? "" : fmt::format(" (sfm could not place {})", fmt::join(photos, ", "));
   }
 
@@ -96,8 +96,7 @@ class Reader {
         const std::optional<Vec2d> straight = undistorted(q, u);
         if (!straight) {
           in_.complain(
-              mark,
-              fmt::format("the lens bends ({:.0f}, {:.0f}) too much to tell where it lies: mark nearer to the middle", p.x, p.y));
+              mark, fmt::format("the lens distorts ({:.0f}, {:.0f}) too much to locate it: mark nearer to the middle", p.x, p.y));
           return std::nullopt;
         }
         out.push_back(*straight);
@@ -109,9 +108,9 @@ class Reader {
   void read_mark(const YamlNode& node, const std::optional<Vec2d>& common_size) {
     in_.only_keys(node, {"photo", "class", "box", "polygon", "size", "thing"});
     if (node.kind != YamlNode::Kind::Map) return;
-    const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
+    const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *word = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
-    if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
+    if (word != nullptr && word->text.empty()) return in_.complain(*word, "'thing' is the name of the object, not empty");
     const bool lost = meant_photo_is_lost(photo->text);
     const auto view = lost ? std::nullopt : marked_view(in_, *photo, capture_.set.views);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
@@ -122,23 +121,23 @@ class Reader {
     if ((!view && !lost) || !kind || !region) return;
     const std::optional<Vec2d> size = own_size ? own_size : common_size;
     if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
-    std::string thing_name(name(*kind));
-    if (thing != nullptr) thing_name += " " + thing->text;
-    auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
-    if (it == things_.end())
-      it = things_.insert(things_.end(), {thing_name, thing != nullptr ? thing->text : std::string(), *kind, {}});
-    if (lost) return void(lost_.emplace_back(thing_name, photo->text));
+    std::string object_name(name(*kind));
+    if (word != nullptr) object_name += " " + word->text;
+    auto it = std::find_if(objects_.begin(), objects_.end(), [&](const MarkedObject& t) { return t.name == object_name; });
+    if (it == objects_.end())
+      it = objects_.insert(objects_.end(), {object_name, word != nullptr ? word->text : std::string(), *kind, {}});
+    if (lost) return void(lost_.emplace_back(object_name, photo->text));
     const auto line = outline(node, region->corners, *size, *view);
     if (!line) return;
     Mark mark{.view = *view, .box = region->box, .outline = *line};
     if (std::any_of(it->marks.begin(), it->marks.end(), [&](const Mark& m) { return m.view == *view; }))
-      return in_.complain(*photo, fmt::format("'{}' is marked twice in this photo", thing_name));
+      return in_.complain(*photo, fmt::format("'{}' is marked twice in this photo", object_name));
     it->marks.push_back(std::move(mark));
   }
 
   const MaskCapture& capture_;
   YamlReader in_;
-  std::vector<MarkedThing> things_;
+  std::vector<MarkedObject> objects_;
   std::vector<std::pair<std::string, std::string>> lost_;  // object, photo without camera
 };
 

@@ -1,7 +1,7 @@
 // Reader of the YAML file with the marks of the user (example in ../README.md):
 //   size    [width, height] of the marked photos, in pixels; a mark may have its own
 //   marks   each has a photo, a class, and a box [left, top, right, bottom] that contains the object, or a polygon, its outline;
-//           `thing` separates several objects of a class
+//           `object` separates several objects of a class
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct Mark {
   std::vector<Vec2d> outline;  // pixels of the undistorted photo
 };
 
-struct MarkedThing {
+struct MarkedObject {
   std::string name;  // "transparent", or "transparent case"
   std::string word;  // "case", or empty
   MaskClass kind = MaskClass::Object;
@@ -28,7 +28,7 @@ struct MarkedThing {
 };
 
 struct Marks {
-  std::vector<MarkedThing> things;
+  std::vector<MarkedObject> objects;
   std::vector<std::string> without_camera;  // marked photos without a pose, by the names in the file
 };
 

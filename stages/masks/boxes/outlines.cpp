@@ -23,7 +23,7 @@ constexpr size_t kFewestPixels = 40;
 constexpr double kMargin = 0.12;  // of the silhouette's width: uncertain up to there, background beyond
 constexpr double kLeast = 0.2;    // share of the silhouette that must be segmented
 
-constexpr float kThing = 1;  // cost of an object pixel; a background pixel costs its squared error
+constexpr float kObjectCost = 1;  // cost of an object pixel; a background pixel costs its squared error
 constexpr float kMostSquared = 4;
 constexpr float kSmooth = 1;  // cost per pixel of outline between similar pixels
 constexpr float kDiagonal = 0.7f;
@@ -39,7 +39,7 @@ class FlowNetwork {
   }
   // Costs of the two labels of a pixel.
   void terminals(size_t pixel, float as_thing, float as_background) {
-    join(thing(), pixel, as_background, 0);
+    join(object(), pixel, as_background, 0);
     join(pixel, background(), as_thing, 0);
   }
   // [pixel] 1 on the source (object) side of the minimum cut.
@@ -66,7 +66,7 @@ class FlowNetwork {
     const auto vertex = boost::get(boost::vertex_index, graph);
     const auto by = [](auto& values, const auto& index) { return boost::make_iterator_property_map(values.begin(), index); };
     boost::boykov_kolmogorov_max_flow(graph, by(capacity, edge), by(residual, edge), by(reverse, edge), by(predecessor, vertex),
-                                      by(colour, vertex), by(distance, vertex), vertex, thing(), background());
+                                      by(colour, vertex), by(distance, vertex), vertex, object(), background());
     std::vector<uint8_t> inside(pixels_);
     for (size_t i = 0; i < inside.size(); ++i) inside[i] = colour[i] == boost::black_color;  // source tree
     return inside;
@@ -79,7 +79,7 @@ class FlowNetwork {
     float capacity;
     size_t reverse;  // reverse arc
   };
-  size_t thing() const { return pixels_; }
+  size_t object() const { return pixels_; }
   size_t background() const { return pixels_ + 1; }
   size_t pixels_;
   std::vector<Arc> arcs_;
@@ -124,7 +124,8 @@ std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> 
   const auto typical = float(std::max(1e-5, pairs > 0 ? sum / pairs : 0));
   FlowNetwork network(count);
   for (size_t i = 0; i < about.size(); ++i)
-    if (node[i] != kNone) network.terminals(node[i], kThing, error[i] < 0 ? kThing : std::min(error[i] * error[i], kMostSquared));
+    if (node[i] != kNone)
+      network.terminals(node[i], kObjectCost, error[i] < 0 ? kObjectCost : std::min(error[i] * error[i], kMostSquared));
   each_pair([&](size_t i, size_t j, float weight) {
     const float cost = kSmooth * weight * std::exp(-apart(i, j) / (2 * typical));
     network.join(node[i], node[j], cost, cost);

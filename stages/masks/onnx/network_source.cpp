@@ -183,7 +183,7 @@ std::shared_ptr<const NetworkMasks> network_masks(const NetworkMasksConfig& conf
                                          .shape_hint = "its first output must be 1 x masks.onnx.outputs x h x w",
                                          .fits = [&](int channels) { return channels == config.outputs; }});
   masks->sha256 = network.sha256();
-  for (MaskClass kind : classes) masks->classes[size_t(kind)].asked = true;
+  for (MaskClass kind : classes) masks->classes[size_t(kind)].requested = true;
   const std::vector<View>& views = capture.set.views;
   for (size_t v = 0; v < views.size(); ++v) {
     throw_if_interrupted();

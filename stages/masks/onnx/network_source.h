@@ -42,7 +42,7 @@ std::vector<float> class_values(const NetworkOutput& out, const NetworkMasksConf
 
 struct NetworkMasks {
   struct Class {
-    bool asked = false, found = false;  // found: some pixel of some photo belongs to the class
+    bool requested = false, found = false;  // found: some pixel of some photo belongs to the class
     bool voted = false;
     double agreement = 0;                       // mean IoU of the photos' masks and the visual hull; 0 without a hull
     std::vector<std::vector<float>> value;      // [view][h,w]

@@ -20,7 +20,7 @@ constexpr double kFoot = 0.15;             // share of known points in the footp
 constexpr double kShrunk = 0.8;            // of the footprint: excludes neighbouring objects
 constexpr double kBelow = 0.5;             // of the height: the bottom may lie this far below the lower end of the edges
 constexpr size_t kFewestCasePixels = 300;  // over all photos: minimum to judge a side or a bottom
-constexpr size_t kMostAsked = 12;          // maximum number of tested boxes
+constexpr size_t kMostTested = 12;         // maximum number of tested boxes
 constexpr double kLeastRim = 5.5;          // standard deviations of the edge score of the rim above that of other heights
 constexpr double kLeastSeenThrough = 0.6;  // minimum per side: share of known pixels whose surface lies behind the side
 
@@ -97,11 +97,11 @@ Bounds3 about_standing_boxes(const ViewSet& set) {
 std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::span<const View> views,
                                        std::span<const DepthMap> maps) {
   std::vector<DisplayCase> found;
-  size_t asked = 0;
+  size_t tested = 0;
   for (const StandingBox& standing : boxes) {
     if (standing.rim < kLeastRim) continue;
     if (std::ranges::any_of(found, [&](const DisplayCase& f) { return same_place(f.box, standing.box); })) continue;
-    if (++asked > kMostAsked) break;
+    if (++tested > kMostTested) break;
     DisplayCase glass{standing.box, standing.posts, standing.rim, 0};
     glass.box.low.z = foot(glass.box, views, maps);
     if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, views, maps);
@@ -110,7 +110,7 @@ std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::
     const std::string place = fmt::format("{:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f})", e.x, e.y, e.z, c.x, c.y, c.z);
     if (is_glass)
       log_info(
-          "masks: a glass case of {}, told by its edges (masks/contact_sheet.png shows it; "
+          "masks: a glass case of {}, found by its edges (masks/contact_sheet.png shows it; "
           "--set masks.proposed.display_case.look=false if it is none)",
           place);
     log_debug("masks: a box of {}: upright edges {:.1f}, rim {:.1f}, every side seen through at {:.0f} % of its pixels", place,

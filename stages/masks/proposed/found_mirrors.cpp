@@ -34,8 +34,8 @@ constexpr double kStereoElsewhere = 4;   // minimum ratio to the share of surfac
 constexpr double kPartOfAnother = 0.5;   // of the surface points
 
 // Loose outlines of a piece in the photos that show all of it.
-MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
-  MarkedThing thing{.name = "specular", .word = {}, .kind = MaskClass::Specular, .marks = {}};
+MarkedObject outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
+  MarkedObject object{.name = "specular", .word = {}, .kind = MaskClass::Specular, .marks = {}};
   for (size_t v = 0; v < desc.views.size(); ++v) {
     const Intrinsics &k = desc.views[v].intrinsics, &full = desc.capture.set.views[v].intrinsics;
     std::vector<cv::Point2f> corners, outline;
@@ -53,9 +53,9 @@ MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
     Mark mark{.view = v, .box = true, .outline = {}};
     for (const cv::Point2f& p : outline)
       mark.outline.push_back({double(p.x) * full.width / k.width, double(p.y) * full.height / k.height});
-    thing.marks.push_back(std::move(mark));
+    object.marks.push_back(std::move(mark));
   }
-  return thing;
+  return object;
 }
 
 // Pixels of an object and the depths at which their rays pass it.
@@ -118,15 +118,15 @@ class MirrorTrial {
   }
 
   // nullopt: not a mirror.
-  std::optional<FoundMirror> mirror(CarriedThing thing) {
-    FoundMirror found{.thing = std::move(thing)};
-    const Shown seen{found.thing.inside, found.thing.passed, kSlack * found.thing.hull.voxel()};
+  std::optional<FoundMirror> mirror(CarriedObject object) {
+    FoundMirror found{.object = std::move(object)};
+    const Shown seen{found.object.inside, found.object.passed, kSlack * found.object.hull.voxel()};
     const StereoPlaces stereo = stereo_places(seen);
     found.stereo_share = stereo.share;
-    found.of_hull = changes(found.thing.hull.surface(), seen);
+    found.of_hull = changes(found.object.hull.surface(), seen);
     found.of_stereo = changes(stereo.places, seen);
     log_debug("masks: a piece {:.2f} across changes with the view by {:.2f} and {:.2f}; stereo sees its surface at {:.0f} %",
-              found.thing.summary.edge, found.of_hull, found.of_stereo, 100 * stereo.share);
+              found.object.summary.edge, found.of_hull, found.of_stereo, 100 * stereo.share);
     if (std::min(found.of_hull, found.of_stereo) < kMirror || stereo.share < kOwnSurface ||
         stereo.share < kStereoElsewhere * stereo.elsewhere)
       return std::nullopt;
@@ -208,13 +208,13 @@ std::vector<FoundMirror> found_mirrors(const CarryDesc& desc, std::span<const Ex
     const UnexplainedPiece& piece = pieces[i];
     const auto shares = [&](const FoundMirror& other) {
       const auto inside =
-          std::ranges::count_if(piece.places, [&](const Vec3d& p) { return other.thing.hull.carved().at(p) != 0; });
+          std::ranges::count_if(piece.places, [&](const Vec3d& p) { return other.object.hull.carved().at(p) != 0; });
       return double(inside) > kPartOfAnother * double(piece.places.size());
     };
     if (std::ranges::any_of(found, shares) || !trial.may_be(piece)) continue;
-    const MarkedThing thing = outlined(piece, desc);
-    if (thing.marks.size() < kFewestMarks) continue;
-    std::optional<CarriedThing> carried = carry_if_marks_meet(desc, thing);
+    const MarkedObject object = outlined(piece, desc);
+    if (object.marks.size() < kFewestMarks) continue;
+    std::optional<CarriedObject> carried = carry_if_marks_meet(desc, object);
     if (!carried || !carried->summary.voted) continue;
     if (std::optional<FoundMirror> mirror = trial.mirror(std::move(*carried))) found.push_back(std::move(*mirror));
   }

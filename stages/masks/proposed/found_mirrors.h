@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "stages/masks/boxes/carried_thing.h"
+#include "stages/masks/boxes/carried_object.h"
 
 namespace vitrine {
 
 struct FoundMirror {
-  CarriedThing thing;
+  CarriedObject object;
   double of_hull = 0, of_stereo = 0;  // view dependence
   double stereo_share = 0;            // share of its pixels at which stereo found a surface of its own
 };

@@ -26,7 +26,7 @@ void describe(Describer& d, DisplayCaseConfig& c) {
 }
 
 void describe(Describer& d, ProposedConfig& c) {
-  d.group("display_case", c.display_case, "Display cases, which are told by their edges.");
+  d.group("display_case", c.display_case, "Display cases, which are found by their edges.");
 }
 
 std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
@@ -70,13 +70,13 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Mask
                                     [&](double f) { progress(kExplainedShare + (1 - kExplainedShare) * f); });
   for (const FoundMirror& mirror : proposal->mirrors) {
     log_info(
-        "masks: a mirror {:.2f} across, told by how it changes with the view (masks/contact_sheet.png shows it; if it is none, "
+        "masks: a mirror {:.2f} across, found by how it changes with the view (masks/contact_sheet.png shows it; if it is none, "
         "role: opaque in objects/objects.json and --objects take it out)",
-        mirror.thing.summary.edge);
+        mirror.object.summary.edge);
     for (size_t v = 0; v < views.size(); ++v)
-      for (size_t i = 0; i < mirror.thing.inside[v].size(); ++i) {
-        proposal->mirrored[v][i] |= mirror.thing.inside[v][i];
-        proposal->doubted[v][i] |= mirror.thing.doubted[v][i];
+      for (size_t i = 0; i < mirror.object.inside[v].size(); ++i) {
+        proposal->mirrored[v][i] |= mirror.object.inside[v][i];
+        proposal->doubted[v][i] |= mirror.object.doubted[v][i];
       }
   }
   return proposal;
@@ -110,7 +110,7 @@ void ProposedSource::report(nlohmann::ordered_json& j) const {
   if (kind_ != MaskClass::Specular) return;
   j["mirrors"] = nlohmann::ordered_json::array();
   for (const FoundMirror& mirror : proposal_->mirrors)
-    j["mirrors"].push_back({{"across", mirror.thing.summary.edge},
+    j["mirrors"].push_back({{"across", mirror.object.summary.edge},
                             {"hull_changes", mirror.of_hull},
                             {"stereo_changes", mirror.of_stereo},
                             {"stereo_share", mirror.stereo_share}});

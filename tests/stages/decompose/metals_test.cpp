@@ -83,18 +83,18 @@ class PolishedBall {
 TEST(Metals, CopperIsCopper) {
   const PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
   const Metals found = ball.metals(ObjectRole::Mirror);
-  ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_EQ(found.things[0].object, 3);
-  EXPECT_TRUE(found.things[0].metal);
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.things[0].reflectance[c], PolishedBall::kCopper[c], 0.04);
+  ASSERT_EQ(found.reflectors.size(), 1u);
+  EXPECT_EQ(found.reflectors[0].object, 3);
+  EXPECT_TRUE(found.reflectors[0].metal);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.reflectors[0].reflectance[c], PolishedBall::kCopper[c], 0.04);
   EXPECT_GT(std::ranges::count(found.of_surfel, 0), std::ptrdiff_t(found.of_surfel.size() * 2 / 3));
 }
 
 // Whatever it looks like: the table of objects decides.
 TEST(Metals, TheRoleOfTheObjectDecides) {
   const PolishedBall copper({}, [](float) { return PolishedBall::kCopper; });
-  EXPECT_TRUE(copper.metals(ObjectRole::Mirror).things.at(0).metal);
-  EXPECT_FALSE(copper.metals(ObjectRole::Coat).things.at(0).metal);
+  EXPECT_TRUE(copper.metals(ObjectRole::Mirror).reflectors.at(0).metal);
+  EXPECT_FALSE(copper.metals(ObjectRole::Coat).reflectors.at(0).metal);
 }
 
 TEST(Metals, SurfelsOfOtherObjectsKeepTheirMaterials) {
@@ -111,36 +111,37 @@ TEST(Metals, SurfelsOfOtherObjectsKeepTheirMaterials) {
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
   const PolishedBall ball(PolishedBall::kPaint, [](float cosine) { return schlick(Vec3f{0.04f, 0.04f, 0.04f}, cosine).value; });
   const Metals found = ball.metals(ObjectRole::Coat);
-  ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_FALSE(found.things[0].metal);
+  ASSERT_EQ(found.reflectors.size(), 1u);
+  EXPECT_FALSE(found.reflectors[0].metal);
   // Over the ball's belt, which many views see: what the photos show in the mean, and what is left of it.
-  Vec3d gloss{};
+  Vec3d coat_light{};
   double count = 0;
-  for (size_t i = 0; i < found.gloss.size(); ++i)
-    if (std::abs(ball.scene.surfels.diffuse.at(Attribute::Mean, i)[2]) < 0.2f) gloss += cast<double>(found.gloss[i]), count += 1;
-  gloss = gloss / count;
+  for (size_t i = 0; i < found.coat_light.size(); ++i)
+    if (std::abs(ball.scene.surfels.diffuse.at(Attribute::Mean, i)[2]) < 0.2f)
+      coat_light += cast<double>(found.coat_light[i]), count += 1;
+  coat_light = coat_light / count;
   // 0.04 to 0.07 of a light whose mean is 0.45: within what the dimmer half of a handful of pixels leaves.
-  EXPECT_GT(gloss.x, 0.012);
-  EXPECT_LT(gloss.x, 0.045);
-  EXPECT_NEAR(gloss.z / gloss.x, 0.8, 0.1);
+  EXPECT_GT(coat_light.x, 0.012);
+  EXPECT_LT(coat_light.x, 0.045);
+  EXPECT_NEAR(coat_light.z / coat_light.x, 0.8, 0.1);
 }
 
 TEST(Metals, MetalsLoseTheirPaintAndGlazesTheirGloss) {
   TrainedScene scene;
   scene.image.composite.blend = LayerBlend::Layered;
   Metals found;
-  found.things = {{.metal = true, .reflectance = PolishedBall::kCopper}, {.reflectance = {0.04f, 0.04f, 0.04f}}};
+  found.reflectors = {{.metal = true, .reflectance = PolishedBall::kCopper}, {.reflectance = {0.04f, 0.04f, 0.04f}}};
   found.of_surfel = {-1, 0, 1};
-  found.gloss = {{}, {}, {0.1f, 0.1f, 0.1f}};
+  found.coat_light = {{}, {}, {0.1f, 0.1f, 0.1f}};
   DecomposedMaterials materials;
   materials.resize(3);
   std::ranges::fill(materials.albedo, Vec3f{0.4f, 0.4f, 0.4f});
-  polish_materials(found, scene, {{0.2f, 0.2f, 0.2f}, {0.2f, 0.2f, 0.2f}, {0.2f, 0.4f, 0.05f}}, materials);
+  apply_reflectors(found, scene, {{0.2f, 0.2f, 0.2f}, {0.2f, 0.2f, 0.2f}, {0.2f, 0.4f, 0.05f}}, materials);
   EXPECT_EQ(materials.albedo[0], (Vec3f{0.4f, 0.4f, 0.4f}));
   EXPECT_EQ(materials.albedo[1], Vec3f{});
   EXPECT_NEAR(materials.albedo[2].x, 0.2f, 1e-6);
   EXPECT_NEAR(materials.albedo[2].y, 0.3f, 1e-6);
-  EXPECT_NEAR(materials.albedo[2].z, 0.04f, 1e-6);  // a tenth stays, whatever the gloss
+  EXPECT_NEAR(materials.albedo[2].z, 0.04f, 1e-6);  // a tenth stays, however strong the light of the coat
   EXPECT_GT(materials.f0[1].x, 0.8f);
   EXPECT_LT(materials.f0[2].x, 0.05f);
 }
@@ -148,7 +149,7 @@ TEST(Metals, MetalsLoseTheirPaintAndGlazesTheirGloss) {
 TEST(Metals, WithoutMarksThereIsNone) {
   const PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
   const Metals found = ball.metals(LabelledObjects());
-  EXPECT_TRUE(found.things.empty());
+  EXPECT_TRUE(found.reflectors.empty());
   EXPECT_TRUE(std::ranges::all_of(found.of_surfel, [](int m) { return m < 0; }));
 }
 

@@ -88,7 +88,7 @@ TEST(EditList, EveryMistakeIsShownAtItsLine) {
       {"edit: []", ":1:1", "did you mean 'edits'"},
       {"edits:\n  - select: {box: [0, 0, 0, 1, 1, 1]}\n    sett: {tint: 1}", ":3:5", "did you mean 'set'"},
       {"edits:\n  - name: [gold]\n    select: all" + set, ":2:11", "a word or a sentence"},
-      {"edits:\n  - set: {tint: 1}", ":2:5", "says what it selects"},
+      {"edits:\n  - set: {tint: 1}", ":2:5", "an edit needs 'select'"},
       {"edits:\n  - select: all", ":2:5", "either 'set' or 'delete: true'"},
       {"edits:\n  - select: all\n    delete: true" + set, ":2:5", "either 'set' or 'delete: true'"},
       {"edits:\n  - select: all\n    delete: no", ":3:13", "can only be 'delete: true'"},

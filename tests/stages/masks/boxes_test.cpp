@@ -84,7 +84,7 @@ class Marked : public testing::Test, public BallCapture {
     run_masks(config, *context);
     return context;
   }
-  std::vector<MarkedThing> things_of(const std::string& marks) const { return read(marks).things; }
+  std::vector<MarkedObject> objects_of(const std::string& marks) const { return read(marks).objects; }
   Marks read(const std::string& marks) const {
     write_file(folder.path() / "marks.yaml", marks);
     return read_marks(folder.path() / "marks.yaml", read_mask_capture(sfm()));
@@ -205,7 +205,7 @@ TEST_F(Marked, MistakesAreShownAtTheirLine) {
       {good + mark(0, "object"), "marked twice"},
       {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], photo: v2.jpg}\n",
        "'photo' is given twice (first on line 4)"},
-      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], thing: [a]}\n", "'thing' is a word"},
+      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], thing: [a]}\n", "'thing' is the name of the object"},
       {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], size: [0, 9]}\n", "positive width and height"},
       {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], size: [90, 90]}\n", "is 'size' right?"},
       {"marks:\n  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9]}\n", "of what size", 2},
@@ -236,8 +236,8 @@ TEST_F(Marked, PhotosThatSfmCouldNotPlaceAreLeftOut) {
   const auto context = run(text);
   EXPECT_TRUE(context->warnings.contains("MASKS_WITHOUT_CAMERA"));
   const Marks marks = read(text);
-  ASSERT_EQ(marks.things.size(), 1u);
-  EXPECT_EQ(marks.things[0].marks.size(), 2u);
+  ASSERT_EQ(marks.objects.size(), 1u);
+  EXPECT_EQ(marks.objects[0].marks.size(), 2u);
   EXPECT_EQ(marks.without_camera, (std::vector<std::string>{"lost.jpg", "gone"}));
   // One that has a camera may be called like one that has none.
   EXPECT_TRUE(read(head() + mark(0, "object") + mark(4, "object")).without_camera.empty());
@@ -248,28 +248,28 @@ TEST_F(Marked, PhotosThatSfmCouldNotPlaceAreLeftOut) {
 }
 
 TEST_F(Marked, ThingsOfAClassAreToldApartByTheirWord) {
-  const auto named = [](std::string mark, const std::string& thing) {
-    return mark.replace(mark.rfind('}'), 1, fmt::format(", thing: {}}}", thing));
+  const auto named = [](std::string mark, const std::string& object) {
+    return mark.replace(mark.rfind('}'), 1, fmt::format(", thing: {}}}", object));
   };
-  const auto things = things_of(head() + named(mark(0, "specular"), "kettle") + mark(0, "specular") + mark(3, "specular") +
-                                named(mark(4, "specular"), "kettle"));
-  ASSERT_EQ(things.size(), 2u);
-  EXPECT_EQ(things[0].name, "specular kettle");
-  EXPECT_EQ(things[1].name, "specular");
+  const auto objects = objects_of(head() + named(mark(0, "specular"), "kettle") + mark(0, "specular") + mark(3, "specular") +
+                                  named(mark(4, "specular"), "kettle"));
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_EQ(objects[0].name, "specular kettle");
+  EXPECT_EQ(objects[1].name, "specular");
   const size_t views_of[2][2] = {{0, 4}, {0, 3}};
   for (size_t t = 0; t < 2; ++t) {
-    ASSERT_EQ(things[t].marks.size(), 2u);
-    for (size_t m = 0; m < 2; ++m) EXPECT_EQ(things[t].marks[m].view, views_of[t][m]);
+    ASSERT_EQ(objects[t].marks.size(), 2u);
+    for (size_t m = 0; m < 2; ++m) EXPECT_EQ(objects[t].marks[m].view, views_of[t][m]);
   }
 }
 
 TEST_F(Marked, AMarkMayHaveASizeOfItsOwn) {
   const std::string at_full =
       fmt::format("  - {{photo: v0.jpg, class: object, box: [8, 6, 40, 30], size: [{}, {}]}}\n", kWidth, kHeight);
-  const std::vector<MarkedThing> things =
-      things_of(head() + at_full + "  - {photo: v3.jpg, class: object, box: [16, 12, 80, 60]}\n");
-  ASSERT_EQ(things.size(), 1u);
-  for (const Mark& m : things[0].marks) {
+  const std::vector<MarkedObject> objects =
+      objects_of(head() + at_full + "  - {photo: v3.jpg, class: object, box: [16, 12, 80, 60]}\n");
+  ASSERT_EQ(objects.size(), 1u);
+  for (const Mark& m : objects[0].marks) {
     EXPECT_EQ(m.outline.front().x, 8);
     EXPECT_EQ(m.outline.front().y, 6);
     const auto rightmost = std::max_element(m.outline.begin(), m.outline.end(), [](auto& a, auto& b) { return a.x < b.x; });
@@ -281,19 +281,19 @@ TEST_F(Marked, TheReportCountsWhatWasFoundAndMeasuresTheThing) {
   write_file(folder.path() / "marks.yaml", head() + disk(0, "object") + disk(1, "object") + disk(3, "object") +
                                                disk(5, "object") + disk(8, "object") + mark(6, "object", 8));
   const MaskCapture capture = read_mask_capture(sfm());
-  const auto masks = carry_marks(capture, read_marks(folder.path() / "marks.yaml", capture).things, kHullVoxels, [](double) {});
-  ASSERT_EQ(masks->things.size(), 1u);
-  EXPECT_EQ(masks->things[0].marks, 6u);
-  EXPECT_EQ(masks->things[0].refined, size_t(kViews - 5));  // GrabCut is not asked where polygons say it
-  EXPECT_NEAR(masks->things[0].edge, 2 * kBall, 0.1);
+  const auto masks = carry_marks(capture, read_marks(folder.path() / "marks.yaml", capture).objects, kHullVoxels, [](double) {});
+  ASSERT_EQ(masks->objects.size(), 1u);
+  EXPECT_EQ(masks->objects[0].marks, 6u);
+  EXPECT_EQ(masks->objects[0].refined, size_t(kViews - 5));  // GrabCut is not asked where polygons say it
+  EXPECT_NEAR(masks->objects[0].edge, 2 * kBall, 0.1);
 }
 
 TEST_F(Marked, GlassNeedsNoColours) {
   write_file(folder.path() / "marks.yaml", head() + disk(0, "transparent") + disk(3, "transparent") + disk(6, "transparent"));
   const MaskCapture capture = read_mask_capture(sfm());
-  const std::vector<MarkedThing> things = read_marks(folder.path() / "marks.yaml", capture).things;
+  const std::vector<MarkedObject> objects = read_marks(folder.path() / "marks.yaml", capture).objects;
   fs::remove_all(sfm() / "linear");
-  const auto masks = carry_marks(capture, things, kHullVoxels, [](double) {});
+  const auto masks = carry_marks(capture, objects, kHullVoxels, [](double) {});
   const std::vector<uint8_t>& inside = masks->inside[5][size_t(MaskClass::Transparent)];
   EXPECT_NE(std::count(inside.begin(), inside.end(), 1), 0);
 }
@@ -316,10 +316,10 @@ MaskCapture unseen_capture(const std::vector<std::pair<std::string, Intrinsics>>
   return capture;
 }
 
-std::vector<MarkedThing> read_text(const std::string& marks, const MaskCapture& capture) {
+std::vector<MarkedObject> read_text(const std::string& marks, const MaskCapture& capture) {
   const TemporaryFolder folder;
   write_file(folder.path() / "marks.yaml", marks);
-  return read_marks(folder.path() / "marks.yaml", capture).things;
+  return read_marks(folder.path() / "marks.yaml", capture).objects;
 }
 
 TEST(Marks, ExampleOfTheReadmeIsUnderstood) {
@@ -328,16 +328,16 @@ TEST(Marks, ExampleOfTheReadmeIsUnderstood) {
   ASSERT_NE(begin, std::string::npos);
   const std::string example = readme.substr(begin + open.size(), readme.find("```", begin + 3) - begin - open.size());
   // One photo was taken upright.
-  const std::vector<MarkedThing> things =
+  const std::vector<MarkedObject> objects =
       read_text(example, unseen_capture({{"IMG_0012.jpg", {2000, 1500, 1800, 1800, 1000, 750}},
                                          {"IMG_0031.jpg", {1500, 2000, 1800, 1800, 750, 1000}}}));
-  ASSERT_EQ(things.size(), 1u);
-  EXPECT_EQ(things[0].name, "transparent case");
-  ASSERT_EQ(things[0].marks.size(), 2u);
-  EXPECT_FALSE(things[0].marks[0].box);
-  EXPECT_TRUE(things[0].marks[1].box);
-  EXPECT_EQ(things[0].marks[0].outline.front().x, 450);
-  EXPECT_EQ(things[0].marks[1].outline.front().x, 600);
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].name, "transparent case");
+  ASSERT_EQ(objects[0].marks.size(), 2u);
+  EXPECT_FALSE(objects[0].marks[0].box);
+  EXPECT_TRUE(objects[0].marks[1].box);
+  EXPECT_EQ(objects[0].marks[0].outline.front().x, 450);
+  EXPECT_EQ(objects[0].marks[1].outline.front().x, 600);
 }
 
 TEST(Marks, APhotoIsFoundByItsFullNameFirstAndAnyOtherNameMustBeClear) {
@@ -367,7 +367,7 @@ TEST(Marks, WhereTheLensCannotBeUndoneAMarkIsRefused) {
   const std::string rest = ", class: object, box: [1, 1, 70, 50]}\n";
   const std::string marks = "size: [80, 60]\nmarks:\n  - {photo: a.jpg" + rest + "  - {photo: b.jpg" + rest;
   const std::string message = error_of([&] { read_text(marks, capture); }).what();
-  EXPECT_NE(message.find(":3:5: error: the lens bends (1, 1) too much"), std::string::npos) << message;
+  EXPECT_NE(message.find(":3:5: error: the lens distorts (1, 1) too much"), std::string::npos) << message;
 }
 
 TEST_F(Marked, MarksThatDoNotMeetAreRefused) {

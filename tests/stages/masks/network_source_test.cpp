@@ -116,7 +116,7 @@ TEST_F(Networked, PhotosOverruleOneThatIsWrong) {
 }
 
 TEST_F(Networked, MasksThatMeetNowhereStayAsTheyAre) {
-  // Spots that wander through the photos are no thing in space.
+  // Spots that wander through the photos are no object in space.
   for (size_t v = 0; v < views.size(); ++v) {
     Image8 spot(kWidth, kHeight, 1);
     const int left = int(v * 8), top = int(v * 37 % 60);

@@ -19,9 +19,9 @@ struct CarryDesc {
   int hull_voxels = kHullVoxels;
 };
 
-struct CarriedThing {
+struct CarriedObject {
   struct Summary {
-    std::string name, word;  // MarkedThing
+    std::string name, word;  // MarkedObject
     MaskClass kind;
     size_t marks = 0, refined = 0;  // photos marked; photos whose outline was found by segmentation (not by a polygon)
     double edge = 0;                // longest edge of the visual hull's box, scene units
@@ -36,10 +36,10 @@ struct CarriedThing {
 };
 
 // Throws Error{Input} when the cones of the marks have no common point.
-CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing);
-std::optional<CarriedThing> carry_if_marks_meet(const CarryDesc& desc, const MarkedThing& thing);
+CarriedObject carry_object(const CarryDesc& desc, const MarkedObject& object);
+std::optional<CarriedObject> carry_if_marks_meet(const CarryDesc& desc, const MarkedObject& object);
 
 // A mirror has no colour of its own, so colour segmentation fails; polygons in at least three photos define it anyway.
-bool mirror_in_boxes(const MarkedThing& thing);
+bool mirror_in_boxes(const MarkedObject& object);
 
 }  // namespace vitrine

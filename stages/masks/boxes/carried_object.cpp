@@ -1,4 +1,4 @@
-#include "stages/masks/boxes/carried_thing.h"
+#include "stages/masks/boxes/carried_object.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,24 +113,24 @@ struct FoundOutlines {
   }
 };
 
-bool is_tight(const MarkedThing& thing) {
-  return thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
+bool is_tight(const MarkedObject& object) {
+  return object.marks.size() >= kFewestTight && std::ranges::none_of(object.marks, &Mark::box);
 }
 
 // Propagation of one object. Uses GrabCut unless background prediction applies.
 class Carrier {
  public:
-  Carrier(const CarryDesc& desc, const MarkedThing& thing)
+  Carrier(const CarryDesc& desc, const MarkedObject& object)
       : capture_(desc.capture),
         views_(desc.views),
         photos_(desc.photos),
-        thing_(thing),
+        object_(object),
         mark_of_(views_.size(), nullptr),
         drawn_(views_.size()),
-        tight_(is_tight(thing)) {
-    if (desc.stereo != nullptr && mirror_in_boxes(thing)) past_.emplace(*desc.stereo);
+        tight_(is_tight(object)) {
+    if (desc.stereo != nullptr && mirror_in_boxes(object)) past_.emplace(*desc.stereo);
     size_t whole = 0;  // photos that show all of it: points outside their view are not part of the object
-    for (const Mark& mark : thing.marks) {
+    for (const Mark& mark : object.marks) {
       const Intrinsics& k = views_[mark.view].intrinsics;
       mark_of_[mark.view] = &mark;
       drawn_[mark.view] = filled(mark.outline, capture_.set.views[mark.view].intrinsics, k);
@@ -147,25 +147,25 @@ class Carrier {
   bool marks_meet() const { return !marked_.empty(); }
 
   [[noreturn]] void throw_disagree() const {
-    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing_.name),
+    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", object_.name),
                 {.why = marked_.one_sidedness() > kMostOneSided
-                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
-                            : fmt::format("no point of space lies inside the marks of all {} photos", thing_.marks.size()),
-                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
+                            ? "the marked photos look from the same side, so that its distance is unknown"
+                            : fmt::format("no point of space lies inside the marks of all {} photos", object_.marks.size()),
+                 .hint = "mark the whole object, and the same object, in photos from different sides",
                  .code = "MARKS_DISAGREE"});
   }
 
-  CarriedThing carry() const {
-    CarriedThing out;
+  CarriedObject carry() const {
+    CarriedObject out;
     out.inside = silhouettes_of(marked_, views_);
     out.doubted.resize(views_.size());
-    out.summary = {.name = thing_.name, .word = thing_.word, .kind = thing_.kind, .marks = thing_.marks.size()};
+    out.summary = {.name = object_.name, .word = object_.word, .kind = object_.kind, .marks = object_.marks.size()};
     const Vec3d extent = marked_.bounds().high - marked_.bounds().low;
     out.summary.edge = std::max({extent.x, extent.y, extent.z});
     for (size_t v = 0; v < views_.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
     out.hull = marked_;
     FoundOutlines found;
-    if (thing_.kind == MaskClass::Transparent) {
+    if (object_.kind == MaskClass::Transparent) {
       if (tight_) take_box_of_marks(out);
     } else {
       found = past_ ? outlines_past() : outlines_by_colour(out.inside);
@@ -192,7 +192,7 @@ class Carrier {
   bool is_polygon(size_t v) const { return mark_of_[v] != nullptr && !mark_of_[v]->box; }
 
   // Replaces the hull of glass by a box if the marks are silhouettes of a box.
-  void take_box_of_marks(CarriedThing& out) const {
+  void take_box_of_marks(CarriedObject& out) const {
     const std::optional<BoxFit> fit = fit_box(cones_, marked_.bounds());
     if (!fit) return;
     Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * kSmallSide));
@@ -232,7 +232,7 @@ class Carrier {
   }
 
   // Silhouettes of the fitted shape: a box, surfaces of revolution with their appendages, or the hull.
-  void take_shape(const FoundOutlines& found, CarriedThing& out) const {
+  void take_shape(const FoundOutlines& found, CarriedObject& out) const {
     const FittedShapes fits = fit_shapes(found.votes(), found.hull);
     if (fits.box)
       for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(fits.box->box, views_[v]);
@@ -249,7 +249,7 @@ class Carrier {
   }
 
   // Marks the pixels where outline and shape disagree; occluded pixels are removed from the mask.
-  void doubt(const FoundOutlines& found, CarriedThing& out) const {
+  void doubt(const FoundOutlines& found, CarriedObject& out) const {
     for (size_t v = 0; v < views_.size(); ++v) {
       const std::span<const float> value = found.outlines[v].value.data();
       for (size_t i = 0; i < value.size(); ++i)
@@ -264,7 +264,7 @@ class Carrier {
   const std::vector<View>& views_;
   const std::vector<SmallPhoto>& photos_;
   std::optional<PastOutlines> past_;
-  const MarkedThing& thing_;
+  const MarkedObject& object_;
   std::vector<const Mark*> mark_of_;         // [view]
   std::vector<std::vector<uint8_t>> drawn_;  // [view][h,w] filled marks; empty: not marked
   std::vector<Silhouette> cones_;            // silhouettes of the marks
@@ -275,16 +275,16 @@ class Carrier {
 
 }  // namespace
 
-bool mirror_in_boxes(const MarkedThing& thing) { return thing.kind == MaskClass::Specular && !is_tight(thing); }
+bool mirror_in_boxes(const MarkedObject& object) { return object.kind == MaskClass::Specular && !is_tight(object); }
 
-CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing) {
-  const Carrier carrier(desc, thing);
+CarriedObject carry_object(const CarryDesc& desc, const MarkedObject& object) {
+  const Carrier carrier(desc, object);
   if (!carrier.marks_meet()) carrier.throw_disagree();
   return carrier.carry();
 }
 
-std::optional<CarriedThing> carry_if_marks_meet(const CarryDesc& desc, const MarkedThing& thing) {
-  const Carrier carrier(desc, thing);
+std::optional<CarriedObject> carry_if_marks_meet(const CarryDesc& desc, const MarkedObject& object) {
+  const Carrier carrier(desc, object);
   if (!carrier.marks_meet()) return std::nullopt;
   return carrier.carry();
 }
