@@ -58,6 +58,27 @@ void keep_tail(std::string& tail, std::string_view line) {
   if (tail.size() > kTailBytes) tail.erase(0, tail.size() - kTailBytes);
 }
 
+// Reads lines from a pipe until its end. `waiting` is called at least ten times a second.
+void read_lines(int pipe, const std::function<void()>& waiting, const std::function<void(std::string_view)>& emit) {
+  std::string pending;
+  char buffer[1 << 14];
+  while (true) {
+    pollfd p{pipe, POLLIN, 0};
+    poll(&p, 1, 100);
+    waiting();
+    if ((p.revents & (POLLIN | POLLHUP)) == 0) continue;
+    const ssize_t n = read(pipe, buffer, sizeof buffer);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    pending.append(buffer, static_cast<size_t>(n));
+    size_t begin = 0;
+    for (size_t end; (end = pending.find('\n', begin)) != std::string::npos; begin = end + 1)
+      emit(std::string_view(pending).substr(begin, end - begin));
+    pending.erase(0, begin);
+  }
+  if (!pending.empty()) emit(pending);
+}
+
 }  // namespace
 
 ProcessResult run_process(const ProcessDesc& desc) {
@@ -113,29 +134,12 @@ ProcessResult run_process(const ProcessDesc& desc) {
     }
   };
   if (!desc.inherit_output) {
-    std::string pending;
-    char buffer[1 << 14];
-    const auto emit = [&](std::string_view line) {
+    read_lines(pipe_fds[0], forward_interrupt, [&](std::string_view line) {
       if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
       keep_tail(result.tail, line);
       if (log) log << line << '\n';
       if (desc.on_line) desc.on_line(line);
-    };
-    while (true) {
-      pollfd p{pipe_fds[0], POLLIN, 0};
-      poll(&p, 1, 100);
-      forward_interrupt();
-      if ((p.revents & (POLLIN | POLLHUP)) == 0) continue;
-      const ssize_t n = read(pipe_fds[0], buffer, sizeof buffer);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) break;
-      pending.append(buffer, static_cast<size_t>(n));
-      size_t begin = 0;
-      for (size_t end; (end = pending.find('\n', begin)) != std::string::npos; begin = end + 1)
-        emit(std::string_view(pending).substr(begin, end - begin));
-      pending.erase(0, begin);
-    }
-    if (!pending.empty()) emit(pending);
+    });
     close(pipe_fds[0]);
   }
   int status = 0;

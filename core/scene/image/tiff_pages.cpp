@@ -57,90 +57,98 @@ struct TiffReadPage {
   std::string make;
 };
 
+// Values from which several members of a page are derived.
+struct TiffPageValues {
+  uint64_t old_type = 0, new_type = 0;
+  std::vector<uint64_t> bits, formats;
+};
+
+void take_entry(const TiffBytes& in, const TiffEntry& e, TiffReadPage& r, TiffPageValues& v) {
+  TiffPage& p = r.page;
+  const auto value = [&](uint64_t i) { return in.number(e.values + i * e.size, e.size); };
+  const auto list = [&] {
+    std::vector<uint64_t> all;
+    for (uint64_t i = 0; i < std::min<uint64_t>(e.count, kMaxValues); ++i) all.push_back(value(i));
+    return all;
+  };
+  if (e.tag == kDngVersion) r.dng = true;
+
+  if (e.tag == kMake && e.type == 2) r.make = lowered(in.text(e.values, std::min<uint64_t>(e.count, 64)));
+  if (!is_tiff_whole_number(e.type) || e.count == 0) return;
+  const auto one = [&] { return static_cast<unsigned>(value(0)); };
+  switch (e.tag) {
+    case kNewSubfileType:
+      v.new_type = value(0);
+      break;
+    case kSubfileType:
+      v.old_type = value(0);
+      break;
+    case kWidth:
+      p.width = value(0);
+      break;
+    case kHeight:
+      p.height = value(0);
+      break;
+    case kBitsPerSample:
+      v.bits = list();
+      break;
+    case kSampleFormat:
+      v.formats = list();
+      break;
+    case kCompression:
+      p.compression = one();
+      break;
+    case kPhotometric:
+      p.photometric = one(), r.has_photometric = true;
+      break;
+    case kOrientation:
+      p.orientation = one();
+      break;
+    case kSamplesPerPixel:
+      p.samples = one();
+      break;
+    case kPlanarConfiguration:
+      p.planar = one() == 2;
+      break;
+    case kSubDirectories:
+      r.sub_directories = list();
+      break;
+    case kExifDirectory:
+      p.exif_directory = value(0);
+      break;
+    case kColourMap: {
+      const std::vector<uint64_t> all = list();
+      p.palette.assign(all.begin(), all.end());
+      break;
+    }
+    case kExtraSamples: {
+      const std::vector<uint64_t> all = list();
+      p.extra.emplace(all.begin(), all.end());
+      break;
+    }
+    default:
+      break;
+  }
+}
+
 TiffReadPage tiff_page_of(const TiffBytes& in, const TiffDirectory& directory, uint64_t at) {
   TiffReadPage r;
   TiffPage& p = r.page;
   p.directory = at;
-  uint64_t old_type = 0, new_type = 0;
-  std::vector<uint64_t> bits, formats;
-  directory.each([&](const TiffEntry& e) {
-    const auto value = [&](uint64_t i) { return in.number(e.values + i * e.size, e.size); };
-    const auto list = [&] {
-      std::vector<uint64_t> all;
-      for (uint64_t i = 0; i < std::min<uint64_t>(e.count, kMaxValues); ++i) all.push_back(value(i));
-      return all;
-    };
-    if (e.tag == kDngVersion) r.dng = true;
-
-    if (e.tag == kMake && e.type == 2) r.make = lowered(in.text(e.values, std::min<uint64_t>(e.count, 64)));
-    if (!is_tiff_whole_number(e.type) || e.count == 0) return;
-    const auto one = [&] { return static_cast<unsigned>(value(0)); };
-    switch (e.tag) {
-      case kNewSubfileType:
-        new_type = value(0);
-        break;
-      case kSubfileType:
-        old_type = value(0);
-        break;
-      case kWidth:
-        p.width = value(0);
-        break;
-      case kHeight:
-        p.height = value(0);
-        break;
-      case kBitsPerSample:
-        bits = list();
-        break;
-      case kSampleFormat:
-        formats = list();
-        break;
-      case kCompression:
-        p.compression = one();
-        break;
-      case kPhotometric:
-        p.photometric = one(), r.has_photometric = true;
-        break;
-      case kOrientation:
-        p.orientation = one();
-        break;
-      case kSamplesPerPixel:
-        p.samples = one();
-        break;
-      case kPlanarConfiguration:
-        p.planar = one() == 2;
-        break;
-      case kSubDirectories:
-        r.sub_directories = list();
-        break;
-      case kExifDirectory:
-        p.exif_directory = value(0);
-        break;
-      case kColourMap: {
-        const std::vector<uint64_t> all = list();
-        p.palette.assign(all.begin(), all.end());
-        break;
-      }
-      case kExtraSamples: {
-        const std::vector<uint64_t> all = list();
-        p.extra.emplace(all.begin(), all.end());
-        break;
-      }
-      default:
-        break;
-    }
-  });
+  TiffPageValues values;
+  directory.each([&](const TiffEntry& e) { take_entry(in, e, r, values); });
   const auto first = [](const std::vector<uint64_t>& list, unsigned otherwise) {
     return list.empty() ? otherwise : static_cast<unsigned>(list[0]);
   };
   const auto equal = [](const std::vector<uint64_t>& list) {
     return std::all_of(list.begin(), list.end(), [&](uint64_t v) { return v == list[0]; });
   };
-  p.bits = first(bits, 1);
-  p.sample_format = first(formats, 1);
-  p.equal_samples = equal(bits) && equal(formats);
+  p.bits = first(values.bits, 1);
+  p.sample_format = first(values.formats, 1);
+  p.equal_samples = equal(values.bits) && equal(values.formats);
   if (p.orientation < 1 || p.orientation > 8) p.orientation = 1;
-  p.reduced = (new_type & 1) != 0 || old_type == 2;
-  p.mask = (new_type & 4) != 0;
+  p.reduced = (values.new_type & 1) != 0 || values.old_type == 2;
+  p.mask = (values.new_type & 4) != 0;
   if (!r.has_photometric)
     p.photometric = p.samples >= 3 ? kRgb : p.compression >= 2 && p.compression <= 4 ? kMinIsWhite : kMinIsBlack;
   return r;
