@@ -38,7 +38,7 @@ struct Resources {
 
 // Check before the long stages, once the photo sizes are known: estimated time, memory and disk of the remaining run against the
 // available ones. A clearly insufficient disk ends the run. Memory and time are only reported: a stage that exceeds its memory
-// stops by itself (stages/memory_watch.h).
+// stops by itself (stages/reporter.h).
 struct Preflight {
   double seconds = 0;
   size_t memory_bytes = 0, disk_bytes = 0;

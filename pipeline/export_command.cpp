@@ -9,7 +9,6 @@
 #include "core/foundation/config/chart.h"
 #include "core/foundation/config/cli.h"
 #include "core/foundation/config/text.h"
-#include "pipeline/export_folder.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"

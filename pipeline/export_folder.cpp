@@ -1,4 +1,4 @@
-#include "pipeline/export_folder.h"
+#include "pipeline/project.h"
 
 #include <algorithm>
 #include <optional>

@@ -17,7 +17,6 @@
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
-#include "pipeline/rehearsal.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {

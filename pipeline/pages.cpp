@@ -1,4 +1,4 @@
-#include "pipeline/pages.h"
+#include "pipeline/tool.h"
 
 #include <unistd.h>
 

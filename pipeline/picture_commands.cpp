@@ -10,7 +10,6 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
-#include "pipeline/pages.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 

@@ -90,7 +90,7 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
   for (const std::string& s : chosen_) needed_.merge(graph_.ancestors(graph_.at(s)));
 }
 
-void Planner::ask_key(const StageNode& node, const std::vector<std::string>& inputs, Step& step) const {
+void Planner::request_key(const StageNode& node, const std::vector<std::string>& inputs, Step& step) const {
   std::vector<std::string> words = {node.executable.string(), "--print-key", "--log-format", "json", "--store",
                                     store_.root().string()};
   words.insert(words.end(), inputs.begin(), inputs.end());
@@ -171,7 +171,7 @@ Step Planner::step(const StageNode& node, const std::vector<Step>& before) {
     step.why = fmt::format("needs {}", fmt::join(causes, " and "));
     return step;
   }
-  ask_key(node, *words, step);
+  request_key(node, *words, step);
   const fs::path entry = store_.entry(node.name, step.key);
   if (forced(node)) {
     step.state = StepState::Forced;

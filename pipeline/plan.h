@@ -2,6 +2,7 @@
 // with those of the stage's last artifact to report what changed.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,6 +14,8 @@
 #include "pipeline/settings.h"
 
 namespace vitrine {
+
+class Report;
 
 enum class StepState {
   Cached,   // the artifact is complete and intact
@@ -57,7 +60,7 @@ class Planner {
   bool forced(const StageNode& node) const { return selection_.force && chosen_.contains(node.name); }
 
  private:
-  void ask_key(const StageNode& node, const std::vector<std::string>& inputs, Step& step) const;
+  void request_key(const StageNode& node, const std::vector<std::string>& inputs, Step& step) const;
   const Graph& graph_;
   const Settings& settings_;
   fs::path project_;
@@ -69,5 +72,18 @@ class Planner {
 // Throws the Error that a failed stage reported (`error_record`, a line of --log-format json), or an error from its signal or
 // exit code if it reported none.
 [[noreturn]] void throw_stage_failure(const StageNode& node, const std::string& error_record, const ProcessResult& result);
+
+// Executes a plan: each stage as a child process; artifacts are linked into the output folder when finished.
+
+struct RunnerDesc {
+  int threads = 0;          // 0 = all
+  std::string memory = {};  // as given: "4GiB"
+  bool verbose = false, quiet = false;
+  // Called before each computed stage with its index in the graph.
+  std::function<void(size_t)> before_computing = {};
+};
+
+// Returns the number of computed stages. Throws the Error of the first stage that fails.
+int run_stages(Planner& planner, const Settings& settings, const fs::path& project, Report& report, const RunnerDesc& desc);
 
 }  // namespace vitrine

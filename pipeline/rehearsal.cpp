@@ -1,4 +1,4 @@
-#include "pipeline/rehearsal.h"
+#include "pipeline/tool.h"
 
 #include <algorithm>
 

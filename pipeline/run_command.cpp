@@ -14,9 +14,10 @@
 #include "pipeline/commands.h"
 #include "pipeline/cost_model.h"
 #include "pipeline/given_inputs.h"
-#include "pipeline/pages.h"
+#include "pipeline/plan.h"
 #include "pipeline/project.h"
-#include "pipeline/runner.h"
+#include "pipeline/report.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 

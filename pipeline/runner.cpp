@@ -1,9 +1,10 @@
-#include "pipeline/runner.h"
+#include "pipeline/plan.h"
+#include "pipeline/report.h"
 
 #include <unistd.h>
 
 #include "core/foundation/artifact/publish.h"
-#include "pipeline/export_folder.h"
+#include "pipeline/project.h"
 
 namespace vitrine {
 

@@ -2,6 +2,8 @@
 // options. They read the current artifacts, store their own in the project's store, and report their own errors.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,5 +67,47 @@ fs::path tool_program(const std::string& tool);
 
 // Opens an HTML page in the user's browser (--open). Throws Error{Dependency} if no program opens a browser.
 void open_in_browser(const fs::path& page);
+
+// The HTML pages of an output folder: report.html by the program vitrine-report (pipeline/report_page), at the end of every
+// `vitrine run`, including failed ones, and by `vitrine report`; view.html by the program vitrine-view (stages/view), at the end
+// of every `vitrine run` that trained a scene, and by `vitrine view`.
+
+fs::path html_report_path(const fs::path& project);
+// Returns nothing on success, otherwise the reason. The signal that stopped the run does not stop it.
+std::optional<std::string> write_html_report(const fs::path& project, bool only_if_changed);
+
+fs::path view_page_path(const fs::path& project);
+// The relit picture made with the page (stages/view/view.cpp).
+fs::path relit_sample_path(const fs::path& project);
+// Inputs of the page.
+ToolInputs view_inputs(const fs::path& edited = {});
+// Links the page into the project folder and records it as current.
+void keep_view_page(const fs::path& project, const ToolResult& page);
+
+enum class ViewPage : unsigned char { Written, NoScene, Failed };
+struct ViewPageOutcome {
+  ViewPage what = ViewPage::NoScene;
+  std::string why = {};  // reason of Failed
+};
+// For the end of a run: prints nothing, throws nothing, and ignores the signal that stopped the run. The project must be locked.
+ViewPageOutcome write_view_page(const fs::path& project);
+
+// Checks given poses and masks for `vitrine inspect`: executes a run up to the camera poses on reduced copies of the photos.
+
+struct RehearsalDesc {
+  std::filesystem::path photos;
+  std::string poses = {};  // as --poses; without poses there is no rehearsal, since estimating them takes minutes
+  std::string masks = {};  // as --masks, or empty
+  int threads = 0;
+};
+
+// A warning of the run, or the error that ended it.
+struct RunMessage {
+  bool error = false;
+  std::string code = {};  // code of the run: "POSES_DISAGREE"
+  std::string what = {}, why = {}, hint = {};
+};
+
+std::vector<RunMessage> rehearsed(const RehearsalDesc& desc);
 
 }  // namespace vitrine

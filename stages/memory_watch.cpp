@@ -1,4 +1,4 @@
-#include "stages/memory_watch.h"
+#include "stages/reporter.h"
 
 #include <unistd.h>
 

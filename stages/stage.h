@@ -1,7 +1,6 @@
 // The stage contract. A stage = declaration + typed config + run(). `stage_main` handles command line, cache key, temporary
-// folder, log, commit and exit code, so that a stage contains only its algorithm; its main.cpp is one line:
-//
-//   int main(int argc, char** argv) { return vitrine::stage_main(vitrine::mesh_stage(), argc, argv); }
+// folder, log, commit and exit code, so that a stage contains only its algorithm. The
+// build generates its main() from stages/program.cpp.in.
 #pragma once
 
 #include <cstdint>
@@ -71,6 +70,17 @@ class StageContext {
   virtual void timing(std::string_view name, double seconds) = 0;
 };
 
+// Options that a stage lowers to stay within --max-memory. The decision precedes the cache key and uses the names and sizes of
+// the inputs: the key then covers the lowered options, and a run with more memory does not reuse the reduced result.
+using InputPaths = std::map<std::string, std::filesystem::path>;  // given inputs by name
+
+struct FittedOption {
+  std::string path, value;  // option and its new value
+  std::string code, text;   // of the warning
+};
+struct Stage;
+using StageFit = std::function<std::vector<FittedOption>(const Stage& stage, size_t max_memory_bytes, const InputPaths& inputs)>;
+
 struct Stage {
   StageInfo info;
   std::shared_ptr<void> config;  // the typed config object
@@ -78,6 +88,7 @@ struct Stage {
   std::function<void(StageContext&)> run;
   std::function<std::string()> problem;                              // cross-field check; returns an error sentence, or empty
   std::function<std::map<std::string, std::string>()> fingerprints;  // versions of external tools, numerics: {"colmap": "3.8"}
+  StageFit fit = {};                                                 // empty: nothing to lower
 };
 
 template <class Config>

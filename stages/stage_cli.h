@@ -1,9 +1,11 @@
-// The command line of every stage executable.
+// The command line of every stage executable, and the inputs it names.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
+#include "core/foundation/artifact/store.h"
 #include "core/foundation/config/cli.h"
 #include "stages/stage.h"
 
@@ -30,5 +32,18 @@ std::string stage_cost_answer(const StageInfo& info, const std::string& file);
 // Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's
 // part is read).
 void apply_stage_config(const StageArguments& arguments, const StageInfo& info, OptionTable& options);
+
+// Inputs of one run of a stage: paths and content digests.
+
+struct ResolvedInput {
+  fs::path path;
+  std::string content_digest;
+};
+
+// `words` are NAME=PATH. The path of an artifact may be an entry of a store (a folder with manifest.json), an output folder of
+// `vitrine run` (its current artifact of that stage is used), or any folder with the right files. Throws Error{Input} or
+// Error{Usage} for damaged, missing or unknown inputs.
+std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const std::vector<std::string>& words,
+                                                    DigestCache& digests);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/stage_inputs.h"
+#include "stages/stage_cli.h"
 
 #include <algorithm>
 

@@ -21,12 +21,9 @@
 #include "core/foundation/base/terminal.h"
 #include "core/foundation/base/timer.h"
 #include "core/foundation/config/text.h"
-#include "stages/memory_watch.h"
 #include "stages/reporter.h"
 #include "stages/stage.h"
 #include "stages/stage_cli.h"
-#include "stages/stage_fit.h"
-#include "stages/stage_inputs.h"
 
 namespace vitrine {
 
@@ -77,8 +74,8 @@ class ScratchLock {
 
 class Run : public StageContext {
  public:
-  Run(Stage& stage, const StageFit& fit, const StageArguments& arguments, Reporter& reporter)
-      : stage_(stage), fit_(fit), arguments_(arguments), reporter_(reporter) {}
+  Run(Stage& stage, const StageArguments& arguments, Reporter& reporter)
+      : stage_(stage), arguments_(arguments), reporter_(reporter) {}
 
   int execute() {
     apply_stage_config(arguments_, stage_.info, stage_.options);
@@ -160,10 +157,10 @@ class Run : public StageContext {
   }
 
   void fit_into_memory() {
-    if (max_memory_ == 0 || !fit_) return;
+    if (max_memory_ == 0 || !stage_.fit) return;
     InputPaths paths;
     for (const auto& [name, input] : inputs_) paths[name] = input.path;
-    fitted_ = fit_(stage_, max_memory_, paths);
+    fitted_ = stage_.fit(stage_, max_memory_, paths);
     for (const FittedOption& f : fitted_) {
       Option* option = stage_.options.find(f.path);
       VITRINE_CHECK(option != nullptr, "stage '{}' fits an option '{}' that it does not have", stage_.info.name, f.path);
@@ -234,7 +231,6 @@ class Run : public StageContext {
   size_t peak() const { return std::max(peak_memory_bytes(), peak_memory_bytes(RUSAGE_CHILDREN)); }
 
   Stage& stage_;
-  const StageFit& fit_;
   const StageArguments& arguments_;
   Reporter& reporter_;
   Timer clock_;
@@ -261,9 +257,7 @@ void stop_with_parent() {
 
 }  // namespace
 
-int stage_main(Stage stage, int argc, char** argv) { return stage_main(std::move(stage), argc, argv, StageFit()); }
-
-int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
+int stage_main(Stage stage, int argc, char** argv) {
   Reporter reporter(stage.info.name);
   try {
     install_interrupt_handlers();
@@ -284,7 +278,7 @@ int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
       set_log_file(arguments.log_file);
     }
     if (!arguments.events.empty()) reporter.write_events_to(arguments.events);
-    return Run(stage, fit, arguments, reporter).execute();
+    return Run(stage, arguments, reporter).execute();
   } catch (const Error& e) {
     return failed(reporter, e);
   } catch (const std::bad_alloc&) {

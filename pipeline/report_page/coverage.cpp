@@ -1,4 +1,4 @@
-#include "pipeline/report_page/coverage.h"
+#include "pipeline/report_page/regions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/quantile.h"
 #include "core/scene/camera/view.h"
-#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/page.h"
 
 namespace vitrine {
 

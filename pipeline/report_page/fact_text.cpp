@@ -1,4 +1,4 @@
-#include "pipeline/report_page/fact_text.h"
+#include "pipeline/report_page/facts.h"
 
 #include <algorithm>
 

@@ -13,7 +13,6 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/math/median.h"
 #include "pipeline/graph.h"
-#include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/page.h"
 
 #include <cstdint>
 

@@ -10,8 +10,6 @@
 #include "core/scene/camera/view_set.h"
 #include "pipeline/report_page/assets.h"
 #include "pipeline/report_page/facts.h"
-#include "pipeline/report_page/html.h"
-#include "pipeline/report_page/sections.h"
 
 namespace vitrine {
 

@@ -10,7 +10,7 @@
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/page.h"
 
 namespace vitrine {
 

@@ -6,8 +6,7 @@
 
 #include "core/foundation/base/terminal.h"
 #include "pipeline/report_page/facts.h"
-#include "pipeline/report_page/html.h"
-#include "pipeline/report_page/sections.h"
+#include "pipeline/report_page/page.h"
 
 namespace vitrine {
 

@@ -6,10 +6,9 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/folder_files.h"
 #include "core/scene/mesh/mesh_io.h"
-#include "pipeline/pages.h"
-#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/page.h"
 #include "pipeline/report_page/pictures.h"
-#include "pipeline/report_page/sections.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 

@@ -6,10 +6,9 @@
 
 #include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/terminal.h"
-#include "pipeline/report_page/coverage.h"
-#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/page.h"
 #include "pipeline/report_page/pictures.h"
-#include "pipeline/report_page/sections.h"
+#include "pipeline/report_page/regions.h"
 
 namespace vitrine {
 

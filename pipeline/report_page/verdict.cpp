@@ -1,4 +1,4 @@
-#include "pipeline/report_page/verdict.h"
+#include "pipeline/report_page/figures.h"
 
 #include <algorithm>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "stages/decompose/affinity.h"
+#include "stages/decompose/lit_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/decompose/behind_glass.h"
+#include "stages/decompose/transport.h"
 
 #include <algorithm>
 

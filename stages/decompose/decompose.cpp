@@ -21,12 +21,11 @@
 #include "core/scene/light/environment.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/decompose/behind_glass.h"
 #include "stages/decompose/grey_card.h"
 #include "stages/decompose/light_solver.h"
+#include "stages/decompose/lit_points.h"
 #include "stages/decompose/metals.h"
 #include "stages/decompose/outputs.h"
-#include "stages/decompose/spread.h"
 #include "stages/decompose/transport.h"
 #include "stages/decompose/wall_extension.h"
 

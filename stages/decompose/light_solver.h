@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/scene/image/image.h"
-#include "stages/decompose/affinity.h"
+#include "stages/decompose/lit_points.h"
 #include "stages/decompose/transport.h"
 
 namespace vitrine {

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/camera/view_set.h"
-#include "core/scene/image/exr.h"
-#include "core/scene/image/resample.h"
 #include "core/foundation/math/kd_tree.h"
 #include "core/foundation/math/median.h"
 #include "core/foundation/math/spherical_harmonics.h"
+#include "core/render/trace/tracer.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/resample.h"
+#include "core/scene/mesh/mesh_hits.h"
 #include "core/scene/mesh/mesh_topology.h"
 #include "core/scene/surfels/activation.h"
-#include "core/scene/mesh/mesh_hits.h"
-#include "core/render/trace/tracer.h"
 #include "stages/decompose/light_solver.h"
-#include "stages/decompose/metal_roughness.h"
 
 namespace vitrine {
 

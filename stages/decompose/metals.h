@@ -2,7 +2,7 @@
 // highlights into those of a coat. Faces and surfels have an object id. From the object's pixels C and the light L along their
 // mirrored rays (the trained scene, and the environment outside it):
 //   mirror  F0 = sum C / sum L  per channel, over the rays that meet matt mesh faces, whose radiance the photos determine; no
-//           diffuse part; roughness from the contrast of the reflections (metal_roughness.h)
+//           diffuse part; roughness from the contrast of the reflections (below)
 //   coat    paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the darker half of a face's views,
 //           because highlights are brighter than any known L; the mean of C - D is specular light, not part of the paint
 // Sums and means, because the normals of mirrors are too inexact for single rays.
@@ -11,15 +11,17 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/foundation/math/vec.h"
+#include "core/render/model/kernels/layer_blend.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/light/environment.h"
 #include "core/scene/mesh/tri_mesh.h"
-#include "core/render/model/kernels/layer_blend.h"
 #include "core/scene/objects/object_labels.h"
-#include "core/render/picture/decomposed_materials.h"
-#include "core/render/picture/trained_scene.h"
 
 namespace vitrine {
 
@@ -58,5 +60,24 @@ void apply_reflectors(const Metals& found, const TrainedScene& scene, const std:
 // Specular weight and f0 with this reflectance at normal incidence, for the blend; in `RtrGs` a full weight, which leaves no
 // diffuse part.
 void set_reflectance(LayerBlend blend, const Vec3f& reflectance, float& specular_weight, Vec3f& f0);
+
+// Roughness of a metal from the contrast of its reflections. A pixel comparison fails: normals are never exact, so more blur
+// always fits better (metal of roughness .22: least error at .33). The difference between neighbouring pixels does not depend on
+// exact ray directions and decreases with roughness.
+
+// Pixels of one object that reflect well-known content; [pixel] each.
+struct MirroredPixels {
+  std::vector<int> view, x, y;
+  std::vector<Vec3f> origins, normals, towards_eye;  // on its surface, world, unit
+  std::vector<Vec3f> photo;                          // linear radiance
+  size_t size() const { return view.size(); }
+};
+
+// Radiance that arrives at `origins` from `directions`.
+using LightAlong = std::function<std::vector<Vec3f>(std::span<const Vec3f> origins, std::span<const Vec3f> directions)>;
+
+// Roughness (GGX alpha = its square) at which a metal of this reflectance has the contrast of the photos; empty: too few pixels
+// with neighbours.
+std::optional<float> roughness_of_contrast(const MirroredPixels& pixels, const Vec3f& reflectance, const LightAlong& light);
 
 }  // namespace vitrine

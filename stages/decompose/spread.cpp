@@ -1,4 +1,4 @@
-#include "stages/decompose/spread.h"
+#include "stages/decompose/lit_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,9 +11,9 @@
 
 #include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/surfels/layers.h"
-#include "stages/decompose/light_grid.h"
 #include "stages/decompose/lit_points.h"
 #include "stages/decompose/surroundings.h"
+#include "stages/decompose/transport.h"
 
 namespace vitrine {
 

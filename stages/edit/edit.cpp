@@ -7,12 +7,11 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/camera/view_set.h"
 #include "core/render/edit/edit_scene.h"
 #include "core/render/edit/selection.h"
 #include "core/render/raster/renderer.h"
+#include "core/scene/camera/view_set.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/edit/edit_list.h"
 
 namespace vitrine {
 

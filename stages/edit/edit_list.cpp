@@ -1,4 +1,4 @@
-#include "stages/edit/edit_list.h"
+#include "stages/edit/edit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/evaluate/pictures.h"
+#include "stages/evaluate/report.h"
 
 #include <algorithm>
 #include <array>

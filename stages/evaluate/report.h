@@ -8,8 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "core/render/picture/view_picture.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/camera/view_set.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/image.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
@@ -56,7 +59,7 @@ struct Evaluation {
   int min_region_pixels = 0;
   struct ObjectScore {
     std::string name, role, trust;  // as in objects.json
-    std::optional<double> iou;      // (object_agreement.h)
+    std::optional<double> iou;      // (ObjectAgreement)
   };
   std::map<uint16_t, ObjectScore> objects;          // by id: objects of the table visible in some held-out view
   std::optional<double> surfel_objects;             // share of surfels with the correct id
@@ -77,5 +80,25 @@ std::string metrics_json(const Evaluation& e);
 std::string per_view_csv(const Evaluation& e);
 // Summary for the terminal.
 std::string summary_line(const Evaluation& e);
+
+// Output pictures of the stage: the photo at render size, error, normal, depth and layer pictures.
+
+// Mean absolute sRGB difference over the channels: black 0, through violet and orange to white = 0.25 and more.
+Image8 error_picture(const ImageF& srgb, const ImageF& photo_srgb);
+Image8 normal_picture(const ImageF& normal);  // rgb = (n + 1) / 2, black = none
+// Inverse depth, near is bright (there may be a sky); 2nd to 98th percentile; black = none.
+Image8 depth_picture(const ImageF& zdepth);
+
+// Adds photo, render, error, normals and depth to the sheet. With `gain` (of the view) also one cell per layer of `picture`:
+// radiance times the gain, encoded; weights as grey, 1 = white.
+void add_view(const ViewPicture& picture, const ImageF& photo_srgb, const std::optional<Vec3d>& gain, ContactSheet& sheet);
+// eval/<stem>_{gt,pred,err}.png
+void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo_srgb);
+// eval/layers/<layer>/<stem>.exr
+void write_layers(const std::filesystem::path& eval_folder, const View& view, const ViewPicture& picture);
+
+// The undistorted photo at render size: area average in linear light, encoded to sRGB and clipped to [0,1], the usual values for
+// PSNR and SSIM.
+ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics);
 
 }  // namespace vitrine

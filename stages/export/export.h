@@ -3,7 +3,7 @@
 //   writes  export/<files of the chosen formats>, export/formats.json (files, their contents and losses)
 #pragma once
 
-#include "stages/export/formats/format.h"
+#include "stages/export/formats/source.h"
 #include "stages/stage.h"
 
 namespace vitrine {

@@ -6,10 +6,8 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/hash.h"
 #include "core/foundation/base/json.h"
-#include "core/intake/masks/photo_marks.h"
 #include "core/foundation/config/yaml.h"
-#include "stages/mark/page_photos.h"
-#include "stages/mark/run_results.h"
+#include "core/intake/masks/photo_marks.h"
 #include "stages/page_text.h"
 
 namespace vitrine {

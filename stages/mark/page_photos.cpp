@@ -1,4 +1,4 @@
-#include "stages/mark/page_photos.h"
+#include "stages/mark/mark.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/mark/run_results.h"
+#include "stages/mark/mark.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/masks/file_source.h"
+#include "stages/masks/masks.h"
 
 #include <algorithm>
 

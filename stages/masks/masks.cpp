@@ -9,8 +9,8 @@
 #include "core/foundation/base/timer.h"
 #include "core/foundation/config/yaml.h"
 #include "core/intake/poses/photo_orientation.h"
-#include "stages/masks/file_source.h"
 #include "stages/masks/outputs.h"
+#include "stages/training_cost.h"
 
 namespace vitrine {
 
@@ -150,14 +150,18 @@ void describe(Describer& d, MasksConfig& c) {
   d.group("proposed", c.proposed, "Masks that nobody drew: display cases, and mirrors.");
 }
 
-void run_masks(const MasksConfig& config, StageContext& context) {
-  set_thread_limit(context.threads());
-  const MaskCapture capture = read_mask_capture(context.input("sfm"));
+namespace {
+
+// Masks or marks of the user.
+struct GivenMasks {
   std::optional<MaskFolder> folder;
   std::vector<MarkedObject> marked;
+};
+GivenMasks given_masks(const MasksConfig& config, const MaskCapture& capture, StageContext& context) {
+  GivenMasks given;
   if (const auto path = context.optional_input("masks"); path && is_yaml_file(*path)) {
     Marks marks = read_marks(*path, capture);
-    marked = std::move(marks.objects);
+    given.marked = std::move(marks.objects);
     if (!marks.without_camera.empty())
       context.warning("MASKS_WITHOUT_CAMERA", fmt::format("what is marked in {} does not count: sfm could not place {}",
                                                           fmt::join(marks.without_camera, ", "),
@@ -165,12 +169,44 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   } else if (path) {
     std::vector<std::string> photos = capture.without_camera;
     for (const View& view : capture.set.views) photos.push_back(view.name);
-    folder.emplace(*path, config.flat, photos);
-    for (const Note& note : folder->notes()) context.warning(note.code, note.text);
+    given.folder.emplace(*path, config.flat, photos);
+    for (const Note& note : given.folder->notes()) context.warning(note.code, note.text);
     size_t files = 0;
-    for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
+    for (MaskClass kind : kMaskClasses) files += given.folder->file_count(kind);
     if (files == 0) throw_no_mask_file(*path);
   }
+  return given;
+}
+
+// `carried`: objects propagated from marks, or nullptr.
+void write_results(const MaskOutputDesc& desc, const MarkedMasks* carried, StageContext& context) {
+  make_folders(context.output() / "masks");
+  const MaskResults results = write_masks(desc, context);
+  std::vector<std::string> objects;
+  if (carried != nullptr) {
+    write_marked_objects(context.output(), desc.capture, *carried);
+    for (const CarriedObject::Summary& t : carried->objects) objects.push_back(t.word);
+  }
+  write_mask_report(desc, results, objects);
+  write_contact_sheet(desc, results);
+
+  std::string summary;
+  for (MaskClass kind : kMaskClasses) {
+    const ClassResult& result = results.classes[size_t(kind)];
+    if (!result.kept) continue;
+    context.metric(fmt::format("{}_coverage", name(kind)), result.mean_coverage());
+    summary += fmt::format("{}{} {:.1f} % ({})", summary.empty() ? "" : ", ", name(kind), 100 * result.mean_coverage(),
+                           desc.sources[size_t(kind)]->name());
+  }
+  context.summary(summary.empty() ? "nothing to mask" : summary);
+}
+
+}  // namespace
+
+void run_masks(const MasksConfig& config, StageContext& context) {
+  set_thread_limit(context.threads());
+  const MaskCapture capture = read_mask_capture(context.input("sfm"));
+  const auto [folder, marked] = given_masks(config, capture, context);
   const std::optional<fs::path> network = context.optional_input("mask_network");
   std::array<MaskSourceKind, kMaskClassCount> chosen{};
   std::vector<MaskClass> from_network;
@@ -221,27 +257,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     }
     sources[size_t(kind)] = std::make_unique<ProposedSource>(proposal, kind);
   }
-
-  make_folders(context.output() / "masks");
-  const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output()};
-  const MaskResults results = write_masks(desc, context);
-  std::vector<std::string> objects;
-  if (carried) {
-    write_marked_objects(context.output(), capture, *carried);
-    for (const CarriedObject::Summary& t : carried->objects) objects.push_back(t.word);
-  }
-  write_mask_report(desc, results, objects);
-  write_contact_sheet(desc, results);
-
-  std::string summary;
-  for (MaskClass kind : kMaskClasses) {
-    const ClassResult& result = results.classes[size_t(kind)];
-    if (!result.kept) continue;
-    context.metric(fmt::format("{}_coverage", name(kind)), result.mean_coverage());
-    summary += fmt::format("{}{} {:.1f} % ({})", summary.empty() ? "" : ", ", name(kind), 100 * result.mean_coverage(),
-                           sources[size_t(kind)]->name());
-  }
-  context.summary(summary.empty() ? "nothing to mask" : summary);
+  write_results({.capture = capture, .sources = sources, .output = context.output()}, carried.get(), context);
 }
 
 Stage masks_stage() {
@@ -262,6 +278,12 @@ Stage masks_stage() {
       .doing = "finding glass and mirrors",
       .cost = masks_cost};
   return make_stage<MasksConfig>(std::move(info), run_masks, {}, problem);
+}
+
+StageCost masks_cost(const CostTerms& t) {
+  const double out = ingested_mpx(t);
+  if (t.capture.masks) return stage_cost(0.25 * t.photos(), 0.9, 110 + 4 * out, 0.35 * out);
+  return stage_cost(3.2 * t.photos(), 0.9, 160 + 3 * out + 5 * t.photos(), 0.05 * out);
 }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/mesh/behind_glass.h"
+#include "stages/mesh/fusion.h"
 
 #include <algorithm>
 

@@ -19,9 +19,7 @@
 #include "core/scene/mesh/repair_cgal.h"
 #include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/mesh/tsdf_volume.h"
-#include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
-#include "stages/mesh/mirror_depth.h"
 
 namespace vitrine {
 
@@ -179,6 +177,24 @@ void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, con
   context.metric("faces_behind_glass", static_cast<double>(behind.faces.size()));
 }
 
+// Fuses the depth maps and extracts the surface. The volume is freed on return.
+TriMesh fused_surface(size_t views, const DepthSource& frame_of, const FusionDesc& desc, const MeshConfig& config,
+                      const Timer& clock, StageContext& context, FusionReport& fusion) {
+  const TsdfVolume volume = fuse_views(
+      views, frame_of, desc,
+      [&](double f) {
+        throw_if_interrupted();
+        context.progress({.fraction = 0.55 * f, .text = f < 0.5 ? "finding the surface" : "fusing depth", .values = {}});
+      },
+      fusion);
+  context.timing("fusion", clock.seconds());
+  if (fusion.voxel > desc.volume.voxel)
+    context.warning("VOXEL_ENLARGED", fmt::format("voxel {:.5f} instead of {:.5f}, to stay below fusion.memory_mb = {}",
+                                                  fusion.voxel, desc.volume.voxel, config.fusion.memory_mb));
+  context.progress({.fraction = 0.56, .text = fmt::format("marching cubes over {} blocks", fusion.blocks), .values = {}});
+  return iso_surface(volume);
+}
+
 void run_mesh(const MeshConfig& config, StageContext& context) {
   const Timer clock;
   const ViewSet set = load_view_set(context.input("sfm"));
@@ -210,22 +226,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                 {.why = fmt::format("fusion.memory_mb {} needs about twice that", config.fusion.memory_mb),
                  .hint = fmt::format("--set mesh.fusion.memory_mb={}", std::max<size_t>(64, context.max_memory_bytes() >> 22)),
                  .code = "OUT_OF_MEMORY"});
-  TriMesh raw;
-  {
-    const TsdfVolume volume = fuse_views(
-        views.size(), frame_of, fusion_desc,
-        [&](double f) {
-          throw_if_interrupted();
-          context.progress({.fraction = 0.55 * f, .text = f < 0.5 ? "finding the surface" : "fusing depth", .values = {}});
-        },
-        fusion);
-    context.timing("fusion", clock.seconds());
-    if (fusion.voxel > wanted_voxel)
-      context.warning("VOXEL_ENLARGED", fmt::format("voxel {:.5f} instead of {:.5f}, to stay below fusion.memory_mb = {}",
-                                                    fusion.voxel, wanted_voxel, config.fusion.memory_mb));
-    context.progress({.fraction = 0.56, .text = fmt::format("marching cubes over {} blocks", fusion.blocks), .values = {}});
-    raw = iso_surface(volume);
-  }
+  const TriMesh raw = fused_surface(views.size(), frame_of, fusion_desc, config, clock, context, fusion);
   if (raw.faces.empty()) throw nothing_left("the fused field has no zero level inside the region");
   make_folders(context.output() / "mesh");
   write_mesh_ply(context.output() / "mesh" / "mesh_raw.ply", raw);
@@ -325,6 +326,30 @@ Stage mesh_stage() {
       run_mesh, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });
+}
+
+StageCost mesh_cost(const CostTerms& t) {
+  const double scale = std::pow(t.number("mesh.resolution") / 256, 2), hulls = t.capture.masks ? 16 : 0;
+  return stage_cost(8 + 4.5 * scale + hulls, 0.5, (t.capture.masks ? 1.5 : 1) * (100 + 150 * scale),
+                    9e-5 * t.number("mesh.faces"));
+}
+
+StageReport mesh_report() {
+  StageReport report{.file = "mesh/report.json"};
+  report.figures = {
+      ReportFigure{"Geometry", "mesh_border", "Open edges of the mesh", "%", 1, 0.04, 0.1,
+                   "Share of the edges with a face on one side only. A room is open by nature.",
+                   "Holes and ragged ends: places that few photos saw.", "mesh.boundary_edges"}
+          .share("mesh.edges"),
+      ReportFigure{"Geometry", "mesh_crossing", "Faces that cut each other", "", 0, 0, 100,
+                   "Self-intersections of the cleaned mesh.", "Boolean operations and printing may stumble over them.",
+                   "mesh.self_intersections"}
+          .measured_on("mesh.faces", 1, "triangles"),
+      ReportFigure{"Geometry", "mesh_nonmanifold", "Edges of more than two faces", "", 0, 0, 10,
+                   "Non-manifold edges of the cleaned mesh.", "Some programs refuse such a mesh.", "mesh.nonmanifold_edges"}
+          .measured_on("mesh.faces", 1, "triangles")};
+  report.facts = {{"Geometry", "a mesh of {mesh.faces:n} triangles in {mesh.components:n} {mesh.components:piece,pieces}"}};
+  return report;
 }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/mesh/mirror_depth.h"
+#include "stages/mesh/fusion.h"
 
 #include <algorithm>
 

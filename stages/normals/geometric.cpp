@@ -11,7 +11,6 @@
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "stages/normals/plane_fit.h"
 
 namespace vitrine {
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/scene/camera/view.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/image.h"
 #include "core/scene/objects/object_labels.h"
@@ -39,5 +40,19 @@ struct GeometricDesc {
 // One map per requested photo, at most desc.max_side large; empty for a photo without a matching partner: `alone` counts them.
 std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress,
                                          size_t* alone = nullptr);
+
+// Normals from an incomplete depth map: fits a plane to the reliable depths around every pixel. In a pinhole camera the inverse
+// depth of a plane is linear in the pixel, 1/z = a x + b y + c, and its normal is (fx a, fy b, c + a cx + b cy) up to length and
+// sign, so the fit is weighted linear least squares.
+
+struct DepthSamples {
+  int width = 0, height = 0;
+  std::vector<float> inverse_z;  // [h*w]
+  std::vector<float> weight;     // [h*w]; 0 = unknown
+};
+
+// `luma` [h,w,1] guides the fit: depths across an edge of the photo have a lower weight. The confidence falls with the standard
+// deviation of the normal under depth noise: it is low where depths are few or one-sided.
+NormalMap fitted_normals(const DepthSamples& depth, const ImageF& luma, const Intrinsics& k);
 
 }  // namespace vitrine

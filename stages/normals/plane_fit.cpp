@@ -1,4 +1,4 @@
-#include "stages/normals/plane_fit.h"
+#include "stages/normals/geometric.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/objects/appendages.h"
+#include "stages/objects/detect.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,6 @@
 
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_topology.h"
-#include "stages/objects/fine_hull.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "stages/objects/contact_sheet.h"
+#include "stages/objects/objects.h"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,6 @@
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_topology.h"
 #include "core/observe/stereo/shape_fit.h"
-#include "stages/objects/appendages.h"
-#include "stages/objects/fine_hull.h"
 
 namespace vitrine {
 

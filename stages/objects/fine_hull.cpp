@@ -1,4 +1,4 @@
-#include "stages/objects/fine_hull.h"
+#include "stages/objects/detect.h"
 
 #include <algorithm>
 #include <cmath>

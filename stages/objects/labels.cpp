@@ -1,4 +1,4 @@
-#include "stages/objects/labels.h"
+#include "stages/objects/objects.h"
 
 #include <algorithm>
 #include <array>

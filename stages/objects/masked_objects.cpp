@@ -1,4 +1,4 @@
-#include "stages/objects/masked_objects.h"
+#include "stages/objects/detect.h"
 
 #include <algorithm>
 #include <cmath>

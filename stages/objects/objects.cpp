@@ -17,12 +17,8 @@
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/objects/object_labels.h"
 #include "core/scene/shape/shape_file.h"
-#include "stages/objects/contact_sheet.h"
 #include "stages/objects/detect.h"
-#include "stages/objects/labels.h"
-#include "stages/objects/open_planes.h"
 #include "stages/objects/roles.h"
-#include "stages/objects/solid_trial.h"
 
 namespace vitrine {
 

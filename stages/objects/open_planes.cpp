@@ -1,4 +1,4 @@
-#include "stages/objects/open_planes.h"
+#include "stages/objects/detect.h"
 
 #include <algorithm>
 #include <cmath>

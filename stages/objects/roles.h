@@ -7,9 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/objects/object_set.h"
+#include "core/observe/stereo/silhouette.h"
 #include "core/observe/stereo/view_dependence.h"
-#include "stages/objects/masked_objects.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/objects/object_set.h"
+#include "stages/objects/detect.h"
 
 namespace vitrine {
 
@@ -32,5 +34,20 @@ class RoleTest {
 // `exact`: the shape is more precise than a visual hull. An object seen by too few photos is then a mirror, else a coat, which
 // keeps its surfels. `coat_below`: minimum view dependence of a mirror.
 ObjectRole object_role_of(MaskClass kind, const std::optional<double>& view_dependence, bool exact, double coat_below);
+
+// Classification of glass as thin or solid. A glass ball shows the room inverted, a bottle shows it straight. Casts rays through
+// a closed shape, straight and refracted, to the large planes of the scene, which other photos colour, and compares both
+// predictions with the photos of the object. Content inside the glass is not predicted: a paperweight with a picture in its foot
+// stays undecided.
+
+struct SolidTrialDesc {
+  std::filesystem::path sfm;
+  const ViewSet& views;
+  std::span<const Silhouette> glass;  // silhouettes of the transparent masks
+  int holdout_every;                  // held-out photos are not used
+};
+// Sets the role solid_glass for glass objects with one exact, closed, curved shape that the photos show to be solid, and stores
+// both scores in their evidence. No change where stereo or the number of usable pixels is insufficient.
+void find_solids(ObjectSet& set, const SolidTrialDesc& desc);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/objects/solid_trial.h"
+#include "stages/objects/roles.h"
 
 #include <algorithm>
 #include <array>

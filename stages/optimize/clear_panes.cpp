@@ -1,4 +1,4 @@
-#include "stages/optimize/clear_panes.h"
+#include "stages/optimize/layer_init.h"
 
 #include <algorithm>
 

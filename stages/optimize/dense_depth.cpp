@@ -1,4 +1,4 @@
-#include "stages/optimize/dense_depth.h"
+#include "stages/optimize/initialise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -61,9 +61,11 @@ Stage optimize_stage() {
                  .doing = "training",
                  .cost = optimize_cost,
                  .report = optimize_report()};
-  return make_stage<OptimizeConfig>(std::move(info), run_optimize, [] {
+  Stage stage = make_stage<OptimizeConfig>(std::move(info), run_optimize, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });
+  stage.fit = optimize_fit();
+  return stage;
 }
 
 StageCost optimize_cost(const CostTerms& t) {

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
+#include "core/foundation/math/kd_tree.h"
 #include "core/foundation/math/median.h"
 #include "core/foundation/math/vec.h"
 #include "core/observe/stereo/borrowed_depth.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/optimize/dense_depth.h"
-#include "stages/optimize/neighbours.h"
 
 namespace vitrine {
 
@@ -193,6 +193,20 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
       std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
   }
   return layer;
+}
+
+std::vector<float> neighbour_spacing(std::span<const Vec3f> points) {
+  constexpr size_t kNearest = 3;
+  const KdTreef tree(points);
+  std::vector<float> spacing(points.size(), 0.f);
+  parallel_for(points.size(), 256, [&](size_t i) {
+    thread_local std::vector<KdTreef::Near> near;
+    tree.nearest_others(static_cast<uint32_t>(i), kNearest, near);
+    double sum = 0;
+    for (const KdTreef::Near& n : near) sum += n.squared_distance;
+    if (!near.empty()) spacing[i] = static_cast<float>(std::sqrt(sum / double(near.size())));
+  });
+  return spacing;
 }
 
 }  // namespace vitrine

@@ -15,11 +15,8 @@
 #include "core/render/raster/raster_desc.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/optimize/clear_panes.h"
 #include "stages/optimize/flat_mirrors.h"
 #include "stages/optimize/initialise.h"
-#include "stages/optimize/neighbours.h"
-#include "stages/optimize/surface_seeds.h"
 
 namespace vitrine {
 

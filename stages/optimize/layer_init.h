@@ -5,10 +5,13 @@
 //   transmittance  the diffuse surfels behind glass move to the layer; diffuse surfels on the visual hull of the glass masks
 #pragma once
 
-#include "core/scene/surfels/splat_scene.h"
-#include "core/scene/shape/shape_set.h"
+#include <span>
+#include <vector>
+
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/targets.h"
+#include "core/scene/shape/shape_set.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
@@ -47,5 +50,14 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
 // The shapes of thin glass, with the faces that are panes. Sets the transmission of all diffuse surfels to opaque.
 ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene);
+
+// Classification of the faces of a glass box as panes or opaque faces.
+
+// Marks faces as opaque if training photos show a surface right at the face for most pixels of the transparent masks whose rays
+// leave through it: the floor of a display case is no pane, though the masks end there. Other faces are clear. Entries that are
+// not boxes, or whose clear faces are given, are returned unchanged. `depths`: [photo] z-depth of the diffuse layer at `level`, 0
+// = none; empty for held-out photos.
+ShapeSet::Entry with_clear_panes(ShapeSet::Entry sheet, const Capture& capture, const Targets& targets,
+                                 std::span<const std::vector<float>> depths, size_t level);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/optimize/memory.h"
+#include "stages/optimize/optimize.h"
 
 #include <algorithm>
 

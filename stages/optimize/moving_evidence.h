@@ -7,7 +7,7 @@
 #pragma once
 
 #include "core/learn/trainer/targets.h"
-#include "stages/optimize/dense_depth.h"
+#include "stages/optimize/initialise.h"
 
 namespace vitrine {
 
@@ -40,5 +40,21 @@ struct MovingEvidence {
   EvidenceCounts counts;
 };
 MovingEvidence moving_evidence(const Capture& capture, const Targets& targets, const DenseDepth& dense);
+
+// Masks of the surfaces that are static relative to the object. They cover pixels that dense stereo explains consistently in
+// several photos, and the flat surface between them (a white plate with texture only on its rim and a ruler).
+
+struct StillPoint {
+  Vec3d position, normal;
+  double radius;  // of the surface patch that the point represents
+};
+
+// Points that the photos consistently show as static relative to the object.
+std::vector<StillPoint> still_points(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence);
+
+// Mask of the static surface in one photo, at the size of `view`, [h*w]: 255 certain, 128 at the boundary, 0 outside. `object`:
+// object mask at that size, or empty. Moving pixels of the photo are excluded.
+std::vector<uint8_t> shown(const View& view, std::span<const StillPoint> points, std::span<const uint8_t> object,
+                           const PhotoEvidence& evidence);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/optimize/opaque_twin.h"
+#include "stages/optimize/outputs.h"
 
 #include <algorithm>
 #include <array>

@@ -12,8 +12,6 @@
 #include "core/render/picture/trained_scene.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/initialise.h"
-#include "stages/optimize/memory.h"
-#include "stages/optimize/opaque_twin.h"
 #include "stages/optimize/outputs.h"
 #include "stages/optimize/surroundings.h"
 
@@ -23,7 +21,7 @@ namespace {
 
 constexpr double kFarFactor = 5;  // stereo searches up to this factor times the farthest sparse point; farther content may be sky
 
-// stage_main has already reduced max_gaussians to the memory limit (memory.h), as far as fewer surfels help.
+// stage_main has already reduced max_gaussians to the memory limit (memory.cpp), as far as fewer surfels help.
 void check_memory(const OptimizeConfig& config, const Capture& capture, const StageContext& context) {
   const size_t limit = context.max_memory_bytes();
   if (limit == 0) return;

@@ -16,7 +16,6 @@
 #include "core/scene/surfels/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"
-#include "stages/optimize/unobserved_cells.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "stages/optimize/still_masks.h"
+#include "stages/optimize/moving_evidence.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "stages/optimize/surface_seeds.h"
+#include "stages/optimize/initialise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/resample.h"
-#include "stages/optimize/still_masks.h"
+#include "stages/optimize/moving_evidence.h"
 
 namespace vitrine {
 

@@ -9,7 +9,7 @@
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/targets.h"
 #include "core/scene/camera/scene_info.h"
-#include "stages/optimize/dense_depth.h"
+#include "stages/optimize/initialise.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 #include "core/foundation/base/rng.h"
 #include "core/render/model/thick_glass.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/optimize/opaque_twin.h"
+#include "stages/optimize/outputs.h"
 #include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {

@@ -22,7 +22,7 @@ struct TrainerSetup {
   const ShapeSet& glass;   // shapes of all glass, including visual hulls
   LayerChoice layers;
   bool object_alone = false;             // (surroundings.h)
-  std::span<const uint8_t> judges = {};  // [photo] validation photos of a scene with an opaque twin (opaque_twin.h)
+  std::span<const uint8_t> judges = {};  // [photo] validation photos of a scene with an opaque twin (outputs.h)
 };
 
 class Trainer : public Training {

@@ -1,4 +1,4 @@
-#include "stages/optimize/unobserved_cells.h"
+#include "stages/optimize/plane_inpainting.h"
 
 #include <algorithm>
 #include <optional>

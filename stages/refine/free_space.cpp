@@ -1,4 +1,4 @@
-#include "stages/refine/free_space.h"
+#include "stages/refine/glass_views.h"
 
 #include <algorithm>
 #include <cmath>

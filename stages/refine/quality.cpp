@@ -1,4 +1,4 @@
-#include "stages/refine/quality.h"
+#include "stages/refine/refine.h"
 
 #include <array>
 #include <cmath>

@@ -12,9 +12,7 @@
 #include "core/scene/camera/view_set.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/surfels/splat_scene.h"
-#include "stages/refine/free_space.h"
-#include "stages/refine/quality.h"
-#include "stages/refine/segment_report.h"
+#include "stages/refine/glass_views.h"
 #include "stages/refine/thickness.h"
 
 namespace vitrine {

@@ -1,4 +1,4 @@
-#include "stages/refine/segment_report.h"
+#include "stages/refine/refine.h"
 
 #include <algorithm>
 #include <cmath>

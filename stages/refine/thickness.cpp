@@ -6,10 +6,10 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/camera/projection.h"
 #include "core/render/model/layered_model.h"
+#include "core/scene/camera/projection.h"
 #include "core/scene/surfels/splat_scene.h"
-#include "stages/refine/segment_report.h"
+#include "stages/refine/refine.h"
 
 namespace vitrine {
 

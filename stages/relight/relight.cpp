@@ -7,12 +7,11 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/rng.h"
+#include "core/render/relight/relit_painter.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/contact_sheet.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/render/relight/relit_painter.h"
-#include "stages/relight/turntable.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "stages/relight/turntable.h"
+#include "stages/relight/relight.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/foundation/base/json.h"
+#include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
 
@@ -39,5 +40,15 @@ class PageBlocks {
 
 // zlib stream (RFC 1950); browsers decode it with DecompressionStream("deflate").
 std::string deflated(std::string_view bytes);
+
+// Known shapes for the page: triangles, which are more accurate than surfels for sheets of glass and for mirrors, and
+// mirror planes.
+
+// Writes blocks shape_place, shape_normal, shape_part (facet, entry; facet 65535: curved) of vertices, shape_corner of triangles.
+// Returns
+//   {"entries": [{"role", "tolerance", "closed", "exact", "parent", "object"}], "facets": [{"entry", "normal", "offset",
+//   "clear", "at_pane"}]}
+// An empty set gives empty lists.
+nlohmann::ordered_json add_shapes(const ShapeSet* set, PageBlocks& blocks);
 
 }  // namespace vitrine

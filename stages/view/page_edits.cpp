@@ -1,4 +1,4 @@
-#include "stages/view/page_edits.h"
+#include "stages/view/page_surfels.h"
 
 #include <algorithm>
 

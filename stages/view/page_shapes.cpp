@@ -1,4 +1,4 @@
-#include "stages/view/page_shapes.h"
+#include "stages/view/page_blocks.h"
 
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_topology.h"

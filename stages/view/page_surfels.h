@@ -4,12 +4,18 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/foundation/base/json.h"
+#include "core/render/edit/edit_scene.h"
 #include "core/render/picture/decomposed_materials.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/render/relight/light_transfer.h"
 #include "core/render/relight/relit_scene.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/objects/object_labels.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/view/page_blocks.h"
 
 namespace vitrine {
@@ -57,5 +63,71 @@ void add_transfers(std::string_view name, std::span<const Transfer> transfers, i
 // Writes blocks place, turn, span, opacity, constant, sh, sh_scale, material, flags; with `light` also albedo, lit_material,
 // open, side, bounced_constant, bounced (README 7).
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks);
+
+// Data for previewing edits in the page as `vitrine edit` would apply them (core/render/edit): mask classes and mesh component of
+// every surfel, positions of surfels that the page does not render, and the surfels of each known shape.
+
+// Writes the block part_object: id of the object of each rendered surfel, 0: none. Without objects there is no block. Returns the
+// list [{"id", "name", "role", "trust"}].
+nlohmann::ordered_json add_objects(const ObjectSet& set, const SplatScene& scene, const PageSurfels& surfels, PageBlocks& blocks);
+
+// Writes blocks. part_class and part_component of the rendered surfels (class: one bit each, in the order of kMaskClasses;
+// component 0: none, or beyond 255). absent_place, absent_class, absent_component, absent_flags and, if there are objects,
+// absent_object (like part_object) of the diffuse surfels that are not rendered. shape_surfel: surfels of each
+// entry of `shapes` (page_blocks.h), as indices into the rendered surfels followed by the absent ones; the entry gets their count
+// as "surfels". Returns {"there": true, "classes": names, "no_classes": reason if there are none, "components": count}.
+nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels,
+                                 const PageSurfels& surfels, nlohmann::ordered_json& shapes, PageBlocks& blocks);
+
+// For a page without edits; `why` is the reason.
+nlohmann::ordered_json no_edits(const std::string& why);
+
+// Coverage of each surfel of a page by the training photos: their number and their angular spread. Surfels seen by few photos, or
+// from one side only, are badly constrained.
+
+struct PhotoCoverage {
+  int photos = 0;
+  double widest_deg = 0;  // largest angle at the surfel between two of them
+};
+
+// Coverage of the rendered surfels. A photo sees a surfel if its centre is inside the image and at least 5 % of its unoccluded
+// blending weight remains. Glass occludes only surfels of glass.
+std::vector<PhotoCoverage> photo_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z);
+
+// 8 min(photos, 12) + min(floor(angle / 10 degrees), 6).
+uint8_t coverage_byte(const PhotoCoverage& coverage);
+
+// Writes the block seen: one byte per rendered surfel.
+void add_coverage(std::span<const PhotoCoverage> coverage, PageBlocks& blocks);
+
+// Light probes for reflections of specular surfaces under another light: seen from their centre, the radiance of the mesh in all
+// directions (core/render/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance
+// from the centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection
+// layer.)
+//
+// Directions: octahedral map (core/scene/light/octahedral.h).
+//
+// Directions by the octahedral map (core/scene/light/octahedral.h).
+
+inline constexpr int kProbeSide = 128;
+inline constexpr size_t kMostProbes = 4;
+
+struct LightProbe {
+  Vec3d centre{};
+  // [side, side] rows first
+  std::vector<Transfer> sent;  // radiance for unit coefficients
+  std::vector<float> open;     // share of light from outside
+  std::vector<float> depth;    // distance of the surface; 0: sky
+};
+
+// At this distance a ray is clear of the mesh and the surfels of the surface it leaves.
+float clear_of_surface(const RelitScene& scene, const LightTransfer& transfer);
+
+// One probe per known opaque shape, at its centre; otherwise one at the centre of the specular surfels; otherwise one at
+// `middle`. Never empty.
+std::vector<LightProbe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle);
+
+// Writes blocks probe, probe_constant (add_transfers) and probe_way (open, depth); probes are concatenated.
+void add_probes(std::span<const LightProbe> probes, PageBlocks& blocks);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/view/photo_coverage.h"
+#include "stages/view/page_surfels.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/view/probes.h"
+#include "stages/view/page_surfels.h"
 
 #include <algorithm>
 #include <array>
@@ -77,12 +77,12 @@ float clear_of_surface(const RelitScene& scene, const LightTransfer& transfer) {
   return std::max(scene.trained.image.reflection.near, kLift * transfer.surface().grain());
 }
 
-std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
+std::vector<LightProbe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
   const float lift = clear_of_surface(scene, transfer);
-  std::vector<Probe> out;
+  std::vector<LightProbe> out;
   for (const ProbeSite& site : probe_sites(scene, middle)) {
-    Probe p{
+    LightProbe p{
         .centre = site.centre, .sent = std::vector<Transfer>(n), .open = std::vector<float>(n), .depth = std::vector<float>(n)};
     parallel_for(n, size_t(kProbeSide), [&](size_t i) {
       throw_if_interrupted();
@@ -105,10 +105,10 @@ std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer
   return out;
 }
 
-void add_probes(std::span<const Probe> probes, PageBlocks& blocks) {
+void add_probes(std::span<const LightProbe> probes, PageBlocks& blocks) {
   std::vector<Transfer> sent;
   std::vector<float> way;
-  for (const Probe& p : probes) {
+  for (const LightProbe& p : probes) {
     sent.insert(sent.end(), p.sent.begin(), p.sent.end());
     for (size_t i = 0; i < p.open.size(); ++i) way.insert(way.end(), {p.open[i], p.depth[i]});
   }

@@ -17,11 +17,8 @@
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
 #include "stages/page_text.h"
-#include "stages/view/page_edits.h"
-#include "stages/view/page_shapes.h"
+#include "stages/view/page_blocks.h"
 #include "stages/view/page_surfels.h"
-#include "stages/view/photo_coverage.h"
-#include "stages/view/probes.h"
 
 namespace vitrine {
 
@@ -181,7 +178,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
                                                 surfels.left_out, surfels.left_out + surfels.drawn));
   const Vec3d middle = looked_at(s.views).point;
   std::optional<PageLight> light;
-  std::vector<Probe> stands;
+  std::vector<LightProbe> light_probes;
   float lit_near = 0;
   if (s.relit) {
     mark_sky(s.relit->materials, surfels);
@@ -189,10 +186,10 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     const SceneSurface surface(*s.relit);
     const LightTransfer transfer(surface, {.rays = config.rays});
     light = page_light(*s.relit, transfer, surfels);
-    stands = probes(*s.relit, transfer, middle);
+    light_probes = probes(*s.relit, transfer, middle);
     lit_near = clear_of_surface(*s.relit, transfer);
     add_environment(s.relit->captured, blocks);
-    add_probes(stands, blocks);
+    add_probes(light_probes, blocks);
   } else {
     context.warning("VIEW_NO_LIGHT", "there are no materials (stage decompose): the page shows the scene as photographed alone");
   }
@@ -210,7 +207,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
 
   Json cameras = Json::array(), centres = Json::array();
   for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.photos[i].intrinsics, s.heldout[i]));
-  for (const Probe& p : stands) centres.push_back(numbers(p.centre));
+  for (const LightProbe& p : light_probes) centres.push_back(numbers(p.centre));
   const ImageOptions& image = s.trained.image;
   Json scene{{"format", 2},
              {"surfels", surfels.layer.size()},

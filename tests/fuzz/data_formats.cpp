@@ -18,7 +18,7 @@
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/ingest/develop.h"
-#include "stages/normals/network.h"
+#include "stages/normals/normals.h"
 #include "tests/fuzz/entry.h"
 #include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/feature_network_file.h"

@@ -6,7 +6,7 @@
 #include "core/scene/camera/view_set.h"
 #include "core/scene/light/lighting.h"
 #include "pipeline/report_page/facts.h"
-#include "stages/edit/edit_list.h"
+#include "stages/edit/edit.h"
 #include "stages/masks/boxes/marks_file.h"
 #include "tests/core/foundation/config/example.h"
 #include "tests/fuzz/entry.h"

@@ -30,9 +30,9 @@ constexpr Exception kExceptions[] = {
     {"run_command.cpp", "export", "--scale-bar is its option export.scale_bar"},
     // Commands of one program each, and the results that the program reads.
     {"export_command.cpp", "export sfm optimize mesh refine decompose objects", "vitrine export"},
-    {"export_folder.h", "export", "export/, which a run and vitrine export share"},
+    {"project.h", "export", "export/, which a run and vitrine export share"},
     {"picture_commands.cpp", "render relight sfm optimize mesh decompose refine", "vitrine render, vitrine relight"},
-    {"view_command.cpp", "view", "vitrine view"},
+    {"page_commands.cpp", "view", "vitrine view"},
     {"mark_command.cpp", "mark sfm masks", "vitrine mark: cameras and masks of an earlier run"},
     {"pages.cpp", "view sfm optimize refine mesh decompose masks objects", "vitrine view"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks objects", "vitrine edit, and which results an edit replaces"},

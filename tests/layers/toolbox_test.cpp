@@ -41,22 +41,26 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/scene/camera/",
        R"(\bf[xy] \* .*\+ [\w.>-]*\bc[xy]\b)",
        "const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;",
-       {"core/render/raster/kernels/project.h",  // differentiable, of the homography of a surfel
+       {"core/render/raster/kernels/project.h",   // differentiable, of the homography of a surfel
         "core/observe/stereo/edge_field.cpp",     // on x / z, which its derivative needs, too
         "core/observe/stereo/patch_score.cpp"}},  // the matrix of a homography
       {"orthonormal_basis() of core/foundation/math/vec.h",
        "core/foundation/math/",
        R"(abs\(.*\? Vec3[df]\{[01], [01], [01]\})",
        "const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};",
-       {"core/scene/light/lighting.cpp",         // users give sizes along these two: horizontal up to 2.6 degrees from the vertical
+       {"core/scene/light/lighting.cpp",   // users give sizes along these two: horizontal up to 2.6 degrees from the vertical
         "stages/export/bake/atlas.cpp"}},  // texture axes of a floor: x to the right, y up
       {"quantile_of() of core/foundation/math/quantile.h or upper_median() of core/foundation/math/median.h",
        "core/foundation/math/",
        R"(nth_element)",
        "std::nth_element(values.begin(), middle, values.end());",
        {"core/scene/mesh/mesh_distance.cpp",  // splits nodes of a tree of triangles
-        "core/intake/photos/measures.cpp"}},    // uses the part on one side
-      {"KdTree of core/foundation/math/kd_tree.h", "core/foundation/math/", R"(class \w*(Kd|Point)(Tree|Grid)\b)", "class PointTree {", {}},
+        "core/intake/photos/measures.cpp"}},  // uses the part on one side
+      {"KdTree of core/foundation/math/kd_tree.h",
+       "core/foundation/math/",
+       R"(class \w*(Kd|Point)(Tree|Grid)\b)",
+       "class PointTree {",
+       {}},
       {"connected_components() of core/foundation/math/connected_components.h, or DisjointSets",
        "core/foundation/math/",
        R"(open\.back\(\)|stack\.back\(\)|(\w+)\[(\w+)\] = \1\[\1\[\2\]\])",
@@ -71,10 +75,11 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/scene/objects/",
        R"(\b(read_view_mask|view_mask_path|mask_silhouette)\()",
        "auto mask = read_view_mask(artifact, MaskClass::Transparent, view);",
-       {"core/scene/camera/view_masks.cpp", "core/scene/camera/view_masks.h", "core/observe/stereo/silhouette.cpp", "core/observe/stereo/silhouette.h",
-        "core/learn/trainer/targets.cpp",       // object and ignore
-        "stages/evaluate/regions.cpp",  // object and ignore
-        "stages/optimize/outputs.cpp",  // writes those of the object that was trained
+       {"core/scene/camera/view_masks.cpp", "core/scene/camera/view_masks.h", "core/observe/stereo/silhouette.cpp",
+        "core/observe/stereo/silhouette.h",
+        "core/learn/trainer/targets.cpp",                           // object and ignore
+        "stages/evaluate/regions.cpp",                              // object and ignore
+        "stages/optimize/outputs.cpp",                              // writes those of the object that was trained
         "stages/masks/outputs.cpp", "stages/mark/run_results.cpp",  // make and show masks
         "stages/objects/labels.cpp", "stages/objects/objects.cpp"}},
       {"CarvingRule of core/observe/stereo/carving.h, which has the thresholds of carving",
@@ -87,7 +92,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        R"(stereo/view_dependence|\blower_half)",
        "#include \"core/observe/stereo/view_dependence.h\"",
        {"core/observe/stereo/view_dependence.cpp", "stages/masks/proposed/found_mirrors.cpp",  // before there are objects
-        "stages/masks/proposed/found_mirrors.h"}},
+        "stages/masks/proposed/proposed_source.h"}},
       {"a file of data that a stage writes for others: a report.json is for people",
        "pipeline/",  // shows reports
        R"((read_file|read_json_file|parse)\(.*report\.json)",

@@ -8,7 +8,7 @@
 #include "core/scene/image/metrics.h"
 #include "core/scene/light/lighting.h"
 #include "stages/page_text.h"
-#include "stages/view/photo_coverage.h"
+#include "stages/view/page_surfels.h"
 #include "stages/view/view.h"
 #include "tests/core/render/relight/relit_ball.h"
 #include "tests/pages/in_chromium.h"

@@ -15,7 +15,6 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
 #include "stages/stage_cli.h"
-#include "stages/stage_inputs.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -2,7 +2,7 @@
 // printed by `vitrine-<stage> --describe`, shown in report.html.
 //
 // Paths address values of a JSON report: "points.kept"; "photos.*.known" is the values of all array items. Placeholders in braces
-// insert values into a text (pipeline/report_page/fact_text.h): "{registered:0} of {photo_count:0}".
+// insert values into a text (pipeline/report_page/facts.h): "{registered:0} of {photo_count:0}".
 #pragma once
 
 #include <string>

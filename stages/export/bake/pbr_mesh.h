@@ -12,15 +12,33 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/render/model/thick_glass.h"
 #include "core/scene/image/image.h"
 #include "stages/export/bake/atlas.h"
-#include "stages/export/bake/solid_glass.h"
 #include "stages/export/bake/surface_material.h"
 
 namespace vitrine {
+
+// Solid glass in an exported mesh (core/render/model/thick_glass.h) and its thickness. Its faces are those on the glass walls
+// that refract rays; their vertices get the smooth normals of these walls, because refraction shows voxel steps. `thickness` is
+// defined by glTF's KHR_materials_volume: distance along the inward normal to the other side.
+
+struct SolidGlass {
+  float ior = 1.5f;
+  std::vector<uint8_t> faces;    // [f] 1: on a glass wall
+  std::vector<float> thickness;  // [v] scene units; 0 outside solid glass
+  float greatest = 0;            // maximum thickness
+};
+
+// Replaces normals of `mesh`, which must have them.
+SolidGlass find_solid_glass(TriMesh& mesh, const ThickGlass& glass);
+
+// Faces of `content`, the mesh behind glass, that are outside the glass itself.
+std::vector<uint8_t> outside_of(const ThickGlass& glass, const TriMesh& content);
 
 constexpr float kDielectricF0 = 0.04f;      // of ior 1.5
 constexpr float kSpecularColorFactor = 5;   // f0 = specular colour texture x this x kDielectricF0

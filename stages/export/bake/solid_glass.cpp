@@ -1,4 +1,4 @@
-#include "stages/export/bake/solid_glass.h"
+#include "stages/export/bake/pbr_mesh.h"
 
 #include <algorithm>
 

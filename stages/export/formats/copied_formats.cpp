@@ -1,9 +1,9 @@
 // Export formats that copy files of earlier stages.
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/scene/camera/colmap_model.h"
 #include "core/render/picture/decomposed_materials.h"
-#include "stages/export/formats/format.h"
+#include "core/scene/camera/colmap_model.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 

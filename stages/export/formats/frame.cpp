@@ -1,4 +1,4 @@
-#include "stages/export/formats/frame.h"
+#include "stages/export/formats/source.h"
 
 #include <algorithm>
 #include <array>

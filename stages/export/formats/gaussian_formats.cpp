@@ -1,8 +1,8 @@
 // Surfel export formats in the PLY layout of Gaussian splatting.
 #include "core/foundation/math/color.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/export/formats/format.h"
 #include "stages/export/formats/gaussian_ply.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 

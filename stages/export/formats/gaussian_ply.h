@@ -13,7 +13,7 @@
 
 #include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/surfels/layers.h"
-#include "stages/export/formats/frame.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 

@@ -8,9 +8,9 @@
 
 #include "core/foundation/math/color.h"
 #include "core/scene/surfels/activation.h"
-#include "stages/export/formats/format.h"
 #include "stages/export/formats/gaussian_ply.h"
 #include "stages/export/formats/glb_file.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 namespace {

@@ -7,8 +7,8 @@
 // (compact_mesh.h): the node "scene" has the offset and the scale of the mesh.
 #include "core/scene/image/ldr.h"
 #include "stages/export/formats/compact_mesh.h"
-#include "stages/export/formats/format.h"
 #include "stages/export/formats/glb_file.h"
+#include "stages/export/formats/source.h"
 
 #include <cmath>
 

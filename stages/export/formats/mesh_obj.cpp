@@ -3,7 +3,7 @@
 // vertex colours), because readers multiply both. OBJ texture v starts at the bottom.
 #include "core/foundation/base/file.h"
 #include "core/scene/image/ldr.h"
-#include "stages/export/formats/format.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 namespace {

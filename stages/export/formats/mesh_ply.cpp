@@ -10,7 +10,7 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/math/color.h"
-#include "stages/export/formats/format.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/foundation/base/file.h"
 #include "core/scene/image/ldr.h"
-#include "stages/export/formats/format.h"
+#include "stages/export/formats/source.h"
 
 namespace vitrine {
 namespace {

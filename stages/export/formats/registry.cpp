@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "stages/export/formats/format.h"
+#include "stages/export/formats/source.h"
 
 // The export formats, one line each: <name>_format().
 #define VITRINE_EXPORT_FORMATS(FORMAT) \

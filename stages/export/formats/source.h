@@ -1,23 +1,53 @@
 // Data for export: artifacts of the earlier stages, read on first use and cached, and the output frame.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/foundation/math/rigid.h"
+#include "core/render/model/frame.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/mesh/tri_mesh.h"
-#include "core/render/model/frame.h"
 #include "core/scene/objects/object_set.h"
-#include "core/render/picture/decomposed_materials.h"
-#include "core/render/picture/trained_scene.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/export/bake/pbr_mesh.h"
-#include "stages/export/formats/frame.h"
 
 namespace vitrine {
+
+// Coordinate frame of the output files: the scene frame (right-handed, +z up), rotated or mirrored to the axes of another program
+// and scaled to a unit of length.
+//   rhzu  right-handed, z up: the scene's own     rhyu  right-handed, y up (x, z, -y): glTF, three.js
+//   lhzu  left-handed, z up (x, -y, z): Unreal    lhyu  left-handed, y up (x, z, y): Unity
+
+enum class ExportAxes { Rhzu, Rhyu, Lhzu, Lhyu };
+inline constexpr std::array<std::string_view, 4> kExportAxesWords{"rhzu", "rhyu", "lhzu", "lhyu"};
+
+struct ExportFrame {
+  Mat3d axes = Mat3d::identity();  // orthogonal; determinant -1 if the handedness changes
+  double scale = 1;                // file units per scene unit
+
+  static ExportFrame of(ExportAxes axes, double scale);
+
+  bool identity() const { return axes == Mat3d::identity() && scale == 1; }
+  bool mirrored() const { return determinant(axes) < 0; }
+  bool y_up() const { return axes(1, 2) != 0; }
+  Vec3f point(const Vec3f& p) const { return float(scale) * direction(p); }
+  Vec3f direction(const Vec3f& d) const { return cast<float>(axes) * d; }
+};
+
+// The same surface in the frame: points, normals, and corner order if the frame is mirrored.
+TriMesh in_frame(const TriMesh& mesh, const ExportFrame& frame);
+// Means, disks, sizes and spherical harmonics (bands do not mix: the matrix of each band is computed by projection).
+SplatLayer in_frame(const SplatLayer& layer, const ExportFrame& frame);
 
 struct ExportInputs {
   std::filesystem::path sfm, optimize, mesh;
@@ -96,5 +126,23 @@ class ExportSource {
 
 // One sentence on the origin of the colours in mesh formats.
 std::string color_note(const ExportSource& source);
+
+// Interface of an export format: name, contents, losses and writer. The list is formats/registry.cpp, one line per format; each
+// format has its own file in this folder. The strings are the documentation (README, export/formats.json, `vitrine export
+// --list`).
+
+struct ExportFormat {
+  std::string_view name;     // name in --set formats=[...]
+  std::string_view summary;  // one line
+  std::string_view holds;    // contents of the files
+  std::string_view loses;    // scene data missing in the files
+  bool of_albedo = false;    // requires the decompose stage: without it skipped if all formats are written, else an error
+  // Writes to `folder` and returns the written paths, relative to it.
+  std::vector<std::string> (*write)(ExportSource& source, const std::filesystem::path& folder);
+};
+
+std::span<const ExportFormat> export_formats();
+std::vector<std::string> export_format_names();
+const ExportFormat* find_export_format(std::string_view name);
 
 }  // namespace vitrine

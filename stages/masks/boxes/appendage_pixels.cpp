@@ -1,4 +1,4 @@
-#include "stages/masks/boxes/appendage_pixels.h"
+#include "stages/masks/boxes/outlines.h"
 
 #include <algorithm>
 

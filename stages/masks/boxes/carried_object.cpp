@@ -14,7 +14,6 @@
 #include "core/observe/stereo/shape_fit.h"
 #include "core/observe/stereo/upright_edges.h"
 #include "core/observe/stereo/visual_hull.h"
-#include "stages/masks/boxes/appendage_pixels.h"
 #include "stages/masks/boxes/outlines.h"
 
 namespace vitrine {

@@ -5,7 +5,7 @@
 
 #include "core/observe/stereo/small_stereo.h"
 #include "stages/masks/boxes/marks_file.h"
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 namespace vitrine {
 

@@ -12,7 +12,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/scene/camera/view_masks.h"
 #include "core/scene/image/ldr.h"
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 namespace vitrine {
 

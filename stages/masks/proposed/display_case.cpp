@@ -1,4 +1,4 @@
-#include "stages/masks/proposed/display_case.h"
+#include "stages/masks/proposed/proposed_source.h"
 
 #include <algorithm>
 #include <array>

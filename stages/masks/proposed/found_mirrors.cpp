@@ -1,4 +1,4 @@
-#include "stages/masks/proposed/found_mirrors.h"
+#include "stages/masks/proposed/proposed_source.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "stages/masks/proposed/proposed_source.h"
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 #include <algorithm>
 

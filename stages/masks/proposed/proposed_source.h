@@ -3,12 +3,51 @@
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "core/foundation/config/describe.h"
-#include "stages/masks/proposed/display_case.h"
-#include "stages/masks/proposed/found_mirrors.h"
+#include "core/observe/stereo/patch_match.h"
+#include "core/observe/stereo/upright_edges.h"
+#include "core/scene/camera/view_set.h"
+#include "stages/masks/boxes/carried_object.h"
 
 namespace vitrine {
+
+// Detection of unmarked display cases: upright boxes with visible edges (core/observe/stereo/upright_edges.h) and transparent
+// sides. A crate has such edges as well, but there stereo reconstructs the sides; with glass it reconstructs the content or the
+// background.
+
+struct DisplayCase {
+  Box box;                    // its bottom is at the height of the supporting surface
+  double posts = 0, rim = 0;  // StandingBox
+  double seen_through = 0;    // share of the known pixels whose surface lies behind a side; minimum over the sides
+};
+
+// Search region: the volume that the cameras surround. Empty without sparse points.
+Bounds3 about_standing_boxes(const ViewSet& set);
+// The boxes (best first) that are glass; none inside another. `maps`: one per view, of its size.
+std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::span<const View> views,
+                                       std::span<const DepthMap> maps);
+
+// [h,w] of the view: 1 where the case is visible and not occluded by a known surface.
+std::vector<uint8_t> case_mask(const DisplayCase& glass, const View& view, const DepthMap& map);
+
+// Detection of unmarked mirrors. A piece that neither stereo nor a large plane explains
+// (core/observe/stereo/unexplained_pieces.h) is propagated to all photos like an object marked with boxes. It is a mirror if both
+// kinds of its surface points are as view-dependent as the photos vary (core/observe/stereo/view_dependence.h): those of the hull
+// (an untextured surface has one colour from all sides) and those that stereo found on it (texture stays in place). The light
+// must not move with the camera: the flash of a camera makes matt surfaces view-dependent.
+
+struct FoundMirror {
+  CarriedObject object;
+  double of_hull = 0, of_stereo = 0;  // view dependence
+  double stereo_share = 0;            // share of its pixels at which stereo found a surface of its own
+};
+
+// Requires `desc.stereo`. Largest first; none inside another.
+std::vector<FoundMirror> found_mirrors(const CarryDesc& desc, std::span<const Explanation> explained,
+                                       const std::function<void(double)>& progress);
 
 struct DisplayCaseConfig {
   bool look = true;

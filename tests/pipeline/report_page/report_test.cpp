@@ -5,11 +5,9 @@
 
 #include "core/foundation/base/folder_files.h"
 #include "core/foundation/base/json.h"
-#include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/figures.h"
-#include "pipeline/report_page/html.h"
-#include "pipeline/report_page/verdict.h"
+#include "pipeline/report_page/page.h"
 #include "tests/pipeline/report_page/small_output.h"
 
 namespace vitrine {

@@ -1,11 +1,10 @@
 // What stands in a known case of glass: the light on it under a known sky, and its albedo under a solved one.
-#include "stages/decompose/behind_glass.h"
+#include "stages/decompose/transport.h"
 
 #include <gtest/gtest.h>
 
 #include "core/render/picture/decomposed_materials.h"
 #include "stages/decompose/decompose.h"
-#include "stages/decompose/transport.h"
 #include "tests/stages/decompose/shared_room.h"
 #include "tests/support/recording_context.h"
 

@@ -1,4 +1,4 @@
-#include "stages/decompose/metal_roughness.h"
+#include "stages/decompose/metals.h"
 
 #include <cmath>
 

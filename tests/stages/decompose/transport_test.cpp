@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/rng.h"
-#include "stages/decompose/affinity.h"
-#include "stages/decompose/spread.h"
+#include "stages/decompose/lit_points.h"
 
 namespace vitrine {
 namespace {

@@ -1,5 +1,5 @@
 // The file of edits: what is read, and where each mistake is shown.
-#include "stages/edit/edit_list.h"
+#include "stages/edit/edit.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "core/scene/camera/view_set.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/mesh_error.h"
-#include "stages/evaluate/pictures.h"
+#include "stages/evaluate/report.h"
 #include "stages/evaluate/truth.h"
 #include "stages/evaluate/view_error.h"
 #include "tests/support/tiny_capture.h"

@@ -8,7 +8,7 @@
 #include "stages/export/bake/atlas.h"
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/bake/texels.h"
-#include "stages/export/formats/frame.h"
+#include "stages/export/formats/source.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -7,7 +7,7 @@
 #include "core/foundation/artifact/store.h"
 #include "core/foundation/base/json.h"
 #include "pipeline/commands.h"
-#include "pipeline/export_folder.h"
+#include "pipeline/project.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"
 #include "tests/stages/export/ring_of_cameras.h"

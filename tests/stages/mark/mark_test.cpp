@@ -8,8 +8,6 @@
 #include "core/intake/poses/photo_orientation.h"
 #include "core/scene/camera/view_masks.h"
 #include "core/scene/image/ldr.h"
-#include "stages/mark/page_photos.h"
-#include "stages/mark/run_results.h"
 #include "stages/page_text.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

@@ -1,5 +1,5 @@
 // What sticks out of a solid in a picture, a spout, and what hulls have beside its root.
-#include "stages/masks/boxes/appendage_pixels.h"
+#include "stages/masks/boxes/outlines.h"
 
 #include <gtest/gtest.h>
 

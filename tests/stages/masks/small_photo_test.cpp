@@ -1,5 +1,5 @@
 // Photos at the size of masks: exposure and white balance are taken out, once.
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 #include <gtest/gtest.h>
 

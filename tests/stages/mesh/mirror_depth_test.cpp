@@ -1,5 +1,5 @@
 // A polished vase, whose shape was found in its silhouettes, or learnt by training.
-#include "stages/mesh/mirror_depth.h"
+#include "stages/mesh/fusion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/mesh/region.h"
+#include "stages/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 

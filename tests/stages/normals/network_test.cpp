@@ -1,4 +1,4 @@
-#include "stages/normals/network.h"
+#include "stages/normals/normals.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Which rectangles are found in masks, and which are left to the hulls of closed objects.
-#include "stages/objects/open_planes.h"
+#include "stages/objects/detect.h"
 
 #include <gtest/gtest.h>
 

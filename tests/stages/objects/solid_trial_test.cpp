@@ -1,5 +1,5 @@
 // A ball of solid glass is told from a hollow one by what photos show in it.
-#include "stages/objects/solid_trial.h"
+#include "stages/objects/roles.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The photos that stereo of the training photos compares.
-#include "stages/optimize/dense_depth.h"
+#include "stages/optimize/initialise.h"
 
 #include <gtest/gtest.h>
 

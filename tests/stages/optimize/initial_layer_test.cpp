@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/foundation/base/rng.h"
-#include "stages/optimize/neighbours.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
 

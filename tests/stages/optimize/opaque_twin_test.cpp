@@ -1,5 +1,5 @@
 // How photos judge the layers of a scene against its opaque twin.
-#include "stages/optimize/opaque_twin.h"
+#include "stages/optimize/outputs.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,6 @@
 #include "core/foundation/base/process.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/initialise.h"
-#include "stages/optimize/memory.h"
 #include "stages/optimize/plane_inpainting.h"
 #include "stages/optimize/trainer.h"
 #include "tests/stages/optimize/test_context.h"

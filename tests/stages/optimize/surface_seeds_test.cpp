@@ -1,13 +1,13 @@
 // Where surfels of glass are put.
-#include "stages/optimize/surface_seeds.h"
+#include "stages/optimize/initialise.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "core/scene/surfels/activation.h"
 #include "core/learn/trainer/frozen_surfels.h"
-#include "stages/optimize/clear_panes.h"
+#include "core/scene/surfels/activation.h"
+#include "stages/optimize/layer_init.h"
 #include "tests/core/observe/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {

@@ -5,7 +5,6 @@
 
 #include "core/foundation/math/color.h"
 #include "core/render/picture/decomposed_materials.h"
-#include "stages/relight/turntable.h"
 #include "tests/core/render/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

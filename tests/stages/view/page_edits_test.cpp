@@ -1,10 +1,10 @@
 // What the page knows of every surfel for edits, on two balls of which that is known by construction.
-#include "stages/view/page_edits.h"
+#include "stages/view/page_surfels.h"
 
 #include <gtest/gtest.h>
 
 #include "core/scene/camera/mask_class.h"
-#include "stages/view/page_shapes.h"
+#include "stages/view/page_blocks.h"
 #include "stages/view/view.h"
 #include "tests/stages/edit/two_balls.h"
 #include "tests/support/recording_context.h"

@@ -1,5 +1,5 @@
 // The objects of a scene in its page: their list, and the id of each drawn surfel.
-#include "stages/view/page_edits.h"
+#include "stages/view/page_surfels.h"
 
 #include <gtest/gtest.h>
 

@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "core/scene/image/ldr.h"
 #include "core/render/picture/decomposed_materials.h"
+#include "core/scene/image/ldr.h"
 #include "stages/page_text.h"
-#include "stages/view/page_shapes.h"
+#include "stages/view/page_blocks.h"
 #include "stages/view/page_surfels.h"
-#include "stages/view/photo_coverage.h"
 #include "tests/core/render/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
