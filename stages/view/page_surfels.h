@@ -105,9 +105,9 @@ void add_coverage(std::span<const PhotoCoverage> coverage, PageBlocks& blocks);
 // from the centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection
 // layer.)
 //
-// Directions: octahedral map (core/scene/light/octahedral.h).
+// Directions: octahedral map (core/scene/light/environment.h).
 //
-// Directions by the octahedral map (core/scene/light/octahedral.h).
+// Directions by the octahedral map (core/scene/light/environment.h).
 
 inline constexpr int kProbeSide = 128;
 inline constexpr size_t kMostProbes = 4;
