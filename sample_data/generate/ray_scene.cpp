@@ -2,9 +2,8 @@
 
 #include <limits>
 
-#include <embree3/rtcore.h>
-
 #include "core/foundation/base/error.h"
+#include "core/scene/mesh/embree_version.h"
 
 namespace vitrine::generate {
 namespace {
@@ -29,9 +28,8 @@ RTCRayHit ray_hit(const Vec3f& o, const Vec3f& d, float near, float far) {
 }
 
 bool intersect(RTCScene tree, RTCRayHit& r) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(tree, &context, &r);
+  embree::RayContext context;
+  embree::intersect(tree, context, r);
   return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
@@ -111,10 +109,9 @@ std::optional<Hit> RayScene::first_hit(const Vec3f& origin, const Vec3f& directi
 }
 
 float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  embree::RayContext context;
   RTCRay shadow = ray_hit(origin, direction, 0, distance).ray;
-  rtcOccluded1(trees_->opaque, &context, &shadow);
+  embree::occluded(trees_->opaque, context, shadow);
   if (shadow.tfar < 0) return 0;
   float passed = 1;
   if (!with_glass || !trees_->has_glass) return passed;

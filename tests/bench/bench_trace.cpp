@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <embree3/rtcore.h>
-
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
-#include "core/scene/surfels/activation.h"
 #include "core/render/trace/tracer.h"
+#include "core/scene/mesh/embree_version.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 namespace {
@@ -114,7 +113,7 @@ void build(benchmark::State& state, size_t count) {
 }
 
 // The yardstick.
-struct BareLoop : RTCIntersectContext {
+struct BareLoop : embree::RayContext {
   static constexpr int kNearest = 16;
   struct Key {
     float t;
@@ -142,7 +141,6 @@ struct BareLoop : RTCIntersectContext {
 
 RTCScene quads_of(RTCDevice device, const SplatLayer& layer) {
   RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
   auto* corners = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4 * layer.size()));
@@ -159,6 +157,7 @@ RTCScene quads_of(RTCDevice device, const SplatLayer& layer) {
       quads[4 * i + k] = static_cast<uint32_t>(4 * i + k);
     }
   }
+  rtcSetGeometryIntersectFilterFunction(geometry, BareLoop::keep_nearest);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -182,8 +181,6 @@ void bare_embree(benchmark::State& state, size_t count, bool coherent) {
     for (size_t i = 0; i < kRays; ++i) {
       const size_t wanted = hits.of(i).size();
       BareLoop loop;
-      rtcInitIntersectContext(&loop);
-      loop.filter = BareLoop::keep_nearest;
       loop.after = {0.f, 0};
       for (size_t got = 0; got < wanted;) {
         loop.count = 0;
@@ -194,7 +191,7 @@ void bare_embree(benchmark::State& state, size_t count, bool coherent) {
         r.ray.tfar = std::numeric_limits<float>::infinity();
         r.ray.mask = 0xffffffffu;
         r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene, &loop, &r);
+        embree::intersect(scene, loop, r);
         got += static_cast<size_t>(loop.count);
         found += static_cast<size_t>(loop.count);
         if (loop.count < BareLoop::kNearest) break;

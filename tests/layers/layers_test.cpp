@@ -135,9 +135,10 @@ TEST(Layers, TestsOfCoreIncludeNeitherStagesNorThePipeline) {
 }
 
 TEST(Layers, HeavyLibrariesStayOutOfPublicHeaders) {
-  const std::regex heavy("^(opencv2|CGAL|embree[34]?|Eigen|ceres|OpenMesh|tbb|oneapi)/");
+  // embree_version.h is for sources alone: it includes the version of Embree that is installed.
+  const std::regex heavy("^(opencv2|CGAL|embree[34]?|Eigen|ceres|OpenMesh|tbb|oneapi)/|/embree_version\\.h$");
   for (const Include& i : includes_below(kRoot / "core")) {
-    if (i.file.extension() != ".h") continue;
+    if (i.file.extension() != ".h" || i.file.filename() == "embree_version.h") continue;
     EXPECT_FALSE(std::regex_search(i.target, heavy)) << i.file.string() << ":" << i.line << " includes " << i.target;
   }
 }

@@ -2,9 +2,8 @@
 
 #include <string>
 
-#include <embree3/rtcore.h>
-
 #include "core/foundation/base/error.h"
+#include "core/scene/mesh/embree_version.h"
 
 namespace vitrine::embree {
 
@@ -28,7 +27,7 @@ struct Device {
     if (!device)
       throw Error(ErrorKind::Dependency, "Embree has no device on this machine",
                   {.why = fmt::format("its error is {}", static_cast<int>(rtcGetDeviceError(nullptr))),
-                   .hint = "install Embree 3: apt-get install libembree3-3",
+                   .hint = fmt::format("install Embree {0}: apt-get install libembree{0}-{0}", RTC_VERSION_MAJOR),
                    .code = "EMBREE"});
     rtcSetDeviceErrorFunction(device, on_error, nullptr);
   }

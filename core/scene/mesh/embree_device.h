@@ -1,5 +1,5 @@
-// Process-wide Embree device, and rays as Embree structs. Only the sources of this folder and mesh_hits.cpp include Embree;
-// headers forward-declare its types.
+// Process-wide Embree device, and rays as Embree structs. Sources include Embree through embree_version.h; headers
+// forward-declare its types.
 #pragma once
 
 #include <utility>

@@ -6,10 +6,9 @@
 #include <limits>
 #include <string>
 
-#include <embree3/rtcore.h>
-
 #include "core/foundation/base/error.h"
 #include "core/scene/mesh/embree_device.h"
+#include "core/scene/mesh/embree_version.h"
 
 namespace vitrine {
 
@@ -19,7 +18,7 @@ namespace {
 constexpr float kEdgeStep = 4e-6f;
 
 // Ties: the smallest face index, independent of the BVH.
-struct FirstFace : RTCIntersectContext {
+struct FirstFace : embree::RayContext {
   float t = -1.f;
   uint32_t face = 0;
 };
@@ -36,7 +35,7 @@ void keep_first_face(const RTCFilterFunctionNArguments* args) {
 }
 
 // All faces are opaque unless transmittances are given.
-struct AnyFace : RTCIntersectContext {
+struct AnyFace : embree::RayContext {
   const MeshHits::Panes* panes = nullptr;
   float share = 1;
   int passed = 0;
@@ -98,8 +97,7 @@ MeshHits::~MeshHits() = default;
 RTCRayHit MeshHits::nearest(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
   RTCRayHit r = embree::ray_hit(origin, direction, near, far);
   FirstFace context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(tree_->scene.get(), &context, &r);
+  embree::intersect(tree_->scene.get(), context, r);
   return r;
 }
 
@@ -133,8 +131,7 @@ std::optional<MeshHit> MeshHits::back_surface(const Vec3f& origin, const Vec3f& 
 bool MeshHits::occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
   RTCRay ray = embree::ray_hit(origin, direction, near, far).ray;
   AnyFace context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(tree_->scene.get(), &context, &ray);
+  embree::occluded(tree_->scene.get(), context, ray);
   return ray.tfar < 0.f;
 }
 
@@ -142,9 +139,8 @@ float MeshHits::transmittance(const Vec3f& origin, const Vec3f& direction, float
   VITRINE_CHECK(panes.transmittance.size() == faces_, "a transmittance for every face");
   RTCRay ray = embree::ray_hit(origin, direction, 0, far).ray;
   AnyFace context;
-  rtcInitIntersectContext(&context);
   context.panes = &panes;
-  rtcOccluded1(tree_->scene.get(), &context, &ray);
+  embree::occluded(tree_->scene.get(), context, ray);
   return ray.tfar < 0.f ? 0.f : context.share;
 }
 

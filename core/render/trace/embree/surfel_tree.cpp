@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include <embree3/rtcore.h>
-
 #include "core/foundation/base/parallel.h"
-#include "core/scene/surfels/activation.h"
-#include "core/scene/mesh/embree_device.h"
 #include "core/render/trace/embree/simd8.h"
+#include "core/scene/mesh/embree_device.h"
+#include "core/scene/mesh/embree_version.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine::embree {
 
@@ -28,7 +27,7 @@ constexpr float kProductSlack = 1.01f;
 
 // State of one ray during traversal. Embree reports surfels whose box the ray hits; they are collected until there are eight,
 // while their records are prefetched, and then evaluated together.
-struct SurfelTree::Gathering : RTCIntersectContext {
+struct SurfelTree::Gathering : RayContext {
   const SurfelTree* tree;
   TraceRay<float> ray;
   float min_transmittance;
@@ -147,13 +146,12 @@ void SurfelTree::build(const SplatLayer& layer) {
 void SurfelTree::gather(const TraceRay<float>& ray, float min_transmittance, std::vector<FoundHit>& out) const {
   out.clear();
   Gathering g;
-  rtcInitIntersectContext(&g);
   g.tree = this;
   g.ray = ray;
   g.min_transmittance = min_transmittance;
   g.hits = &out;
   RTCRayHit r = ray_hit(ray.origin, ray.direction, std::max(0.f, ray.near), ray.far);
-  rtcIntersect1(scene_.get(), &g, &r);
+  embree::intersect(scene_.get(), g, r);
   g.evaluate();
 }
 
