@@ -16,12 +16,20 @@
 
 namespace {
 
+// Version 1.8 of the library replaced the flag by a state, of which 0 is "not skipped".
+bool is_error(const auto& run) {
+  if constexpr (requires { run.error_occurred; })
+    return run.error_occurred;
+  else
+    return run.skipped != decltype(run.skipped){};
+}
+
 // Forwards to the console and remembers CPU nanoseconds per iteration.
 class RememberingReporter : public benchmark::ConsoleReporter {
  public:
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
-      if (run.error_occurred)
+      if (is_error(run))
         failed_.push_back(run.benchmark_name());
       else if (run.run_type == Run::RT_Iteration && run.iterations > 0)
         cpu_ns_[run.benchmark_name()] = run.cpu_accumulated_time * 1e9 / double(run.iterations);

@@ -40,6 +40,37 @@ memory view(const memory::desc& desc, const dnnl::engine& engine, const float* v
   return memory(desc, engine, const_cast<float*>(values));
 }
 
+// Descriptions of a convolution by the same terms: oneDNN 3 (Debian 13) takes them as they are, oneDNN 2 (Debian 12) as one
+// object.
+template <class... Terms>
+dnnl::convolution_forward::primitive_desc describe_forward(const dnnl::engine& engine, const dnnl::primitive_attr& attributes,
+                                                           const Terms&... terms) {
+#if DNNL_VERSION_MAJOR >= 3
+  return {engine, terms..., attributes};
+#else
+  return {{terms...}, attributes, engine};
+#endif
+}
+template <class... Terms>
+dnnl::convolution_backward_data::primitive_desc describe_backward(const dnnl::engine& engine,
+                                                                  const dnnl::primitive_attr& attributes,
+                                                                  const dnnl::convolution_forward::primitive_desc& forward,
+                                                                  const Terms&... terms) {
+#if DNNL_VERSION_MAJOR >= 3
+  return {engine, terms..., forward, attributes};
+#else
+  return {{terms...}, attributes, engine, forward};
+#endif
+}
+
+void append_relu(dnnl::post_ops& after) {
+#if DNNL_VERSION_MAJOR >= 3
+  after.append_eltwise(dnnl::algorithm::eltwise_relu, 0.f, 0.f);
+#else
+  after.append_eltwise(1.f, dnnl::algorithm::eltwise_relu, 0.f, 0.f);
+#endif
+}
+
 // Channels last; windows of 2x2, an odd last row or column is ignored.
 void max_pool(std::span<const float> fine, int width, int height, int channels, std::vector<float>& out) {
   const size_t w = size_t(width / 2), h = size_t(height / 2), c = size_t(channels), row = size_t(width) * c;
@@ -137,18 +168,17 @@ void FeatureNetwork::Impl::prepare_layer(Convolution& layer) {
   const memory::desc any_weights(kernel, f32, tag::any), bias({layer.out}, f32, tag::x), plain(kernel, f32, tag::oihw);
   dnnl::primitive_attr relu, none;
   dnnl::post_ops after;
-  after.append_eltwise(1.f, dnnl::algorithm::eltwise_relu, 0.f, 0.f);
+  append_relu(after);
   relu.set_post_ops(after);
   for (auto* attributes : {&relu, &none}) attributes->set_scratchpad_mode(dnnl::scratchpad_mode::user);
   const auto algorithm = dnnl::algorithm::convolution_direct;
-  const dnnl::convolution_forward::primitive_desc forward(
-      {dnnl::prop_kind::forward_training, algorithm, layer.source, any_weights, bias, layer.target, strides, padding, padding},
-      relu, engine);
-  const dnnl::convolution_forward::primitive_desc hint(
-      {dnnl::prop_kind::forward_training, algorithm, layer.source, any_weights, layer.target, strides, padding, padding}, none,
-      engine);
-  const dnnl::convolution_backward_data::primitive_desc backward(
-      {algorithm, layer.source, any_weights, layer.target, strides, padding, padding}, none, engine, hint);
+  const auto training = dnnl::prop_kind::forward_training;
+  const auto forward = describe_forward(engine, relu, training, algorithm, layer.source, any_weights, bias, layer.target, strides,
+                                        padding, padding);
+  const auto hint =
+      describe_forward(engine, none, training, algorithm, layer.source, any_weights, layer.target, strides, padding, padding);
+  const auto backward =
+      describe_backward(engine, none, hint, algorithm, layer.source, any_weights, layer.target, strides, padding, padding);
   layer.forward = dnnl::convolution_forward(forward);
   layer.backward = dnnl::convolution_backward_data(backward);
   layer.forward_scratch = forward.scratchpad_desc();

@@ -123,7 +123,11 @@ void fill_holes(SurfaceMesh& surface, size_t max_edges, RepairReport& report) {
     }
     if (edges > max_edges) continue;
     std::vector<Face> patch;
+#if CGAL_VERSION_MAJOR >= 6
+    pmp::triangulate_hole(surface, start, CGAL::parameters::face_output_iterator(std::back_inserter(patch)));
+#else
     pmp::triangulate_hole(surface, start, std::back_inserter(patch));
+#endif
     report.filled_holes += !patch.empty();
     report.filled_faces += patch.size();
   }
