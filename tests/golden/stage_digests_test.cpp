@@ -1,9 +1,10 @@
-// Version guard: all stages and tools on sample_data/tiny_room, very small, against stage_digests.json: version, cache key and
-// digest of the outputs of each. The same key with other bytes means that a stage changed and its version did not: caches would
-// keep what the old program made. Its fix, and how the file is renewed, are in the messages.
+// Version guard: all stages and tools on sample_data/tiny_room, very small, against stage_digests.<release>.json: version, cache
+// key and digest of the outputs of each. The same key with other bytes means that a stage changed and its version did not: caches
+// would keep what the old program made. Its fix, and how the file is renewed, are in the messages.
 //
-// Digests are those of bytes (core/foundation/artifact/manifest.h: no time stamps, no seconds), the same for any number of processors; the
-// renderer takes its AVX2 path everywhere. Other compilers and libraries round differently: there the digests are not compared.
+// Digests are those of bytes (core/foundation/artifact/manifest.h: no time stamps, no seconds), the same for any number of
+// processors; the renderer takes its AVX2 path everywhere. Other compilers and libraries round differently: each release of a
+// distribution has a file, and with another compiler or C library than that file names the digests are not compared.
 #include <gnu/libc-version.h>
 
 #include <set>
@@ -12,6 +13,7 @@
 #include "core/foundation/base/file.h"
 #include "core/scene/image/exr.h"
 #include "tests/e2e/tiny_room.h"
+#include "tests/golden/golden.h"
 
 namespace vitrine {
 namespace {
@@ -19,7 +21,26 @@ namespace {
 const char* const kRenew = "VITRINE_RENEW_GOLDEN=1 build/bin/test_golden --gtest_filter='StageDigests.*'";
 const char* const kVersions = "tests/golden/stage_versions.md";
 
-fs::path digests_file() { return fs::path(VITRINE_SOURCE_DIR) / "tests/golden/stage_digests.json"; }
+// "debian-13": ID and VERSION_ID of an os-release file (freedesktop.org: os-release), which may stand in quotes; "" without one
+// of them.
+std::string release_name(const std::string& os_release) {
+  const auto value = [&](const std::string& key) {
+    for (const std::string& line : golden::lines_of(os_release))
+      if (line.starts_with(key + "=")) return golden::replaced(line.substr(key.size() + 1), "\"", "");
+    return std::string();
+  };
+  const std::string id = value("ID"), version = value("VERSION_ID");
+  return id.empty() || version.empty() ? "" : id + "-" + version;
+}
+
+std::string this_release() {
+  const fs::path file = "/etc/os-release";
+  const std::string name = fs::exists(file) ? release_name(read_file(file)) : "";
+  return name.empty() ? "unknown" : name;
+}
+
+// Below the root of the sources.
+std::string digests_file() { return fmt::format("tests/golden/stage_digests.{}.json", this_release()); }
 
 struct StageDigest {
   int version = 0;
@@ -135,22 +156,33 @@ TEST_F(StageDigests, MoveOnlyWithTheVersion) {
         << "stage '" << stage << "' has version " << is.version << ": add a line to its list in " << kVersions;
   }
 
-  const bool exists = fs::exists(digests_file());
-  const DigestFile kept = exists ? nlohmann::json::parse(read_file(digests_file())).get<DigestFile>() : DigestFile();
-  const bool comparable = !exists || kept.made_with == now.made_with;
+  const fs::path file = fs::path(VITRINE_SOURCE_DIR) / digests_file();
+  const bool exists = fs::exists(file);
+  const DigestFile kept = exists ? nlohmann::json::parse(read_file(file)).get<DigestFile>() : DigestFile();
+  const bool comparable = exists && kept.made_with == now.made_with;
   const Findings found = comparable ? compare(kept, now) : Findings();
   for (const std::string& text : found.broken) ADD_FAILURE() << text;
   if (std::getenv("VITRINE_RENEW_GOLDEN") != nullptr) {
-    if (found.broken.empty()) write_file(digests_file(), nlohmann::json(now).dump(1) + "\n");
+    if (found.broken.empty()) write_file(file, nlohmann::json(now).dump(1) + "\n");
     return;
   }
+  if (!exists)
+    GTEST_SKIP() << "digests are not compared: there are none of " << this_release() << ". " << kRenew << " writes them to "
+                 << digests_file();
   if (!comparable)
-    GTEST_SKIP() << "digests are not compared: tests/golden/stage_digests.json is of " << nlohmann::json(kept.made_with).dump()
+    GTEST_SKIP() << "digests are not compared: " << digests_file() << " is of " << nlohmann::json(kept.made_with).dump()
                  << ", this is " << nlohmann::json(now.made_with).dump();
   // Where a stage is broken, those after it have other inputs; with other tools, keys are others.
   if (found.broken.empty() && !found.outdated.empty() && kept.tools == now.tools)
-    ADD_FAILURE() << "tests/golden/stage_digests.json is of an earlier state ("
-                  << fmt::format("{}", fmt::join(found.outdated, "; ")) << "):\n  " << kRenew;
+    ADD_FAILURE() << digests_file() << " is of an earlier state (" << fmt::format("{}", fmt::join(found.outdated, "; "))
+                  << "):\n  " << kRenew;
+}
+
+TEST(StageDigestsRule, EachReleaseOfADistributionHasItsFile) {
+  EXPECT_EQ(release_name("PRETTY_NAME=\"Debian GNU/Linux 13 (trixie)\"\nVERSION_ID=\"13\"\nID=debian\n"), "debian-13");
+  EXPECT_EQ(release_name("ID=ubuntu\nID_LIKE=debian\nVERSION_ID=24.04\n"), "ubuntu-24.04");
+  EXPECT_EQ(release_name("ID=arch\nBUILD_ID=rolling\n"), "");
+  EXPECT_TRUE(digests_file().ends_with("stage_digests." + this_release() + ".json"));
 }
 
 TEST(StageDigestsRule, TellsAChangeWithoutAVersionFromOthers) {
