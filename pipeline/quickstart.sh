@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a bare Debian 12 to a relit scene: installs what is missing, builds, runs the whole road on your photos, and shows the scene
+# From a bare Debian 12 or 13 to a relit scene: installs what is missing, builds, runs the whole road on your photos, and shows the scene
 # under other lamps.
 #
 #   pipeline/quickstart.sh [PHOTOS] [-o OUT] [vitrine run options...]

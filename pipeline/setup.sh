@@ -1,5 +1,5 @@
 # Shared by pipeline/quickstart.sh and tests/run.sh (sourced, not run): installs missing Debian packages and
-# builds. Idempotent.
+# builds. Idempotent. Debian 12 and 13 call the packages the same.
 
 VITRINE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets everything up on a bare Debian 12, Chromium for the tests of the pages included, and runs all tests through ctest; then those of core/
+# Sets everything up on a bare Debian 12 or 13, Chromium for the tests of the pages included, and runs all tests through ctest; then those of core/
 # and of all parsers again under AddressSanitizer and UndefinedBehaviorSanitizer.
 #
 #   tests/run.sh [--fast] [--no-sanitizers | --sanitize-stages] | --races | --external
@@ -7,7 +7,7 @@
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
 # --sanitize-stages the suites of stages and pipeline sanitized, too
 # --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/foundation/base/parallel.cpp says how)
-# --external        instead: what other people's programs say about exported files, and long runs of sfm; installs them from npm
+# --external        instead: what other people's programs say about exported files, long runs of sfm, and the other release of Debian
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
