@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   using namespace vitrine::generate;
   std::string folder, size, only;
   int views = 0, threads = 0, seed = 0;
-  bool help = false;
+  bool help = false, bracket = false;
   GenerateDesc desc;
   std::string names;
   for (const SceneEntry& entry : scene_list()) names += std::string(names.empty() ? "" : ", ") + entry.name;
@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
   cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
+  cli.flag("bracket", 0, bracket, "Exposure (+-1.5 EV) and white balance (+-800 K) of its own for each photo.");
   cli.flag("help", 'h', help, "Print this text.");
   try {
     const std::vector<std::string> scenes = cli.parse(std::vector<std::string>(argv + 1, argv + argc));
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
         throw Error(ErrorKind::Usage, "--size is not WIDTHxHEIGHT", {.where = size, .hint = "for example --size 640x480"});
       resize_views(scene, w, h);
     }
+    if (bracket) bracket_gains(scene);
     generate::generate(scene, folder, desc);
   } catch (const Error& error) {
     log_error("{}", error.what());

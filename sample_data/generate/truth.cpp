@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ namespace vitrine::generate {
 namespace {
 
 // Names of the independent streams of random numbers.
-enum Stream : uint64_t { kPhoto = 1, kSensor = 2, kTransmitted = 3, kRelit = 4 };
+enum Stream : uint64_t { kPhoto = 1, kSensor = 2, kTransmitted = 3, kRelit = 4, kBracket = 5 };
 
 Environment planned(const RayScene& rays, Environment environment) {
   const std::vector<Vec3f>& probes = rays.scene().probes;
@@ -143,6 +144,29 @@ void write_geometry(const RayScene& rays, const fs::path& truth, bool full) {
 
 void resize_views(Scene& scene, int width, int height) {
   for (View& view : scene.views) view.intrinsics = view.intrinsics.scaled_to(width, height);
+}
+
+void bracket_gains(Scene& scene) {
+  constexpr double kExposure_ev = 1.5, kWhite_k = 6500, kTurn_k = 800;
+  constexpr Vec3d kWavelength_m{610e-9, 550e-9, 465e-9};  // of the primaries of Rec. 709, about
+  constexpr double kSecondRadiation_mk = 1.438777e-2;     // of Planck's law
+  const auto black_body = [&](double temperature_k, size_t c) {
+    return 1 / std::expm1(kSecondRadiation_mk / (kWavelength_m[c] * temperature_k));
+  };
+  std::vector<Vec3d> logs;
+  Vec3d mean{};
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    Rng rng(kBracket, i);
+    const double exposure = kExposure_ev * std::numbers::ln2 * (2 * double(rng.uniform()) - 1);
+    const double balanced_k = kWhite_k + kTurn_k * (2 * double(rng.uniform()) - 1);
+    Vec3d& log = logs.emplace_back();
+    for (size_t c = 0; c < 3; ++c) log[c] = std::log(black_body(kWhite_k, c) / black_body(balanced_k, c));
+    const double green = log.y;
+    for (size_t c = 0; c < 3; ++c) log[c] += exposure - green;
+    mean += log / double(scene.views.size());
+  }
+  for (size_t i = 0; i < logs.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) scene.views[i].gain[c] = std::exp(logs[i][c] - mean[c]);
 }
 
 Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& desc) {

@@ -23,5 +23,8 @@ void generate(const Scene& scene, const std::filesystem::path& folder, const Gen
 Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& cache = {});
 // Views at another picture size, same field of view.
 void resize_views(Scene& scene, int width, int height);
+// Exposure and white balance of its own for each photo: +-1.5 EV, +-800 K around 6500 K, uniform; the mean over the photos is 1
+// in log, as View::gain requires. Deterministic in the number of the view.
+void bracket_gains(Scene& scene);
 
 }  // namespace vitrine::generate

@@ -333,5 +333,24 @@ TEST(Gallery, FamiliesNeedASeedAndNothingElseTakesOne) {
     }
 }
 
+TEST(Bracket, PhotosDifferByStopsAndInWhiteBalance) {
+  Scene scene = gallery(1);
+  bracket_gains(scene);
+  Vec3d sum{};
+  double least = 10, most = 0, warmest = 1, coldest = 1;
+  for (const View& view : scene.views) {
+    for (size_t c = 0; c < 3; ++c) sum[c] += std::log(view.gain[c]);
+    least = std::min(least, view.gain.y);
+    most = std::max(most, view.gain.y);
+    const double red_of_blue = view.gain.x / view.gain.z;
+    warmest = std::max(warmest, red_of_blue);
+    coldest = std::min(coldest, red_of_blue);
+  }
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 0, 1e-9);
+  EXPECT_GT(most / least, 4);  // two of the three stops at least
+  EXPECT_LT(most / least, 8.01);
+  EXPECT_GT(warmest / coldest, 1.1);
+}
+
 }  // namespace
 }  // namespace vitrine::generate
