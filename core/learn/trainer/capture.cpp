@@ -67,6 +67,14 @@ void decode(const PhotoLevel& level, std::vector<float>& srgb) {
   });
 }
 
+void raise_clipped(std::span<const float> prediction_srgb, std::span<float> target_srgb) {
+  constexpr size_t kChunk = 1 << 16;
+  parallel_chunks(target_srgb.size(), kChunk, [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      if (target_srgb[i] >= kClippedSrgb) target_srgb[i] = std::max(target_srgb[i], prediction_srgb[i]);
+  });
+}
+
 size_t pyramid_bytes(const ViewSet& view_set, int max_side) {
   size_t bytes = 0;
   for (const View& view : view_set.views)

@@ -40,6 +40,12 @@ PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side);
 Vec3f linear_at(const PhotoLevel& photo, size_t pixel);
 // Planar [3,h,w] floats of a level.
 void decode(const PhotoLevel& level, std::vector<float>& srgb);
+// Display-referred value from which a channel of a photo counts as clipped: code 249 of 255, since JPEG compression and
+// resampling lower clipped pixels by a few codes.
+inline constexpr float kClippedSrgb = 249.f / 255.f;
+// A clipped channel is a lower bound of the radiance: a brighter prediction agrees with it and becomes the target. Both are
+// planar [3,h,w], display-referred.
+void raise_clipped(std::span<const float> prediction_srgb, std::span<float> target_srgb);
 
 // Capture::near_z of these photos.
 float near_plane(const ViewSet& view_set);

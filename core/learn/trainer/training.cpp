@@ -57,6 +57,7 @@ void Training::step() {
   weigh_pixels(plan.specular_weight, !plan.withheld.empty() && plan.withheld[photo] != 0);
   choose_ray_pixels(plan);
   model_.forward(scene_, level.view, frame_);
+  raise_clipped(frame_.srgb, target_);
   const double l1 = write_error_image(), loss = learn(plan, level.view);
   if (!std::isfinite(loss))
     throw Error(

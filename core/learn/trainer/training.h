@@ -120,7 +120,7 @@ class Training {
   std::vector<EpochRecord> epochs_;
 
   Frame frame_;
-  std::vector<float> target_;  // [3,h,w] the photo
+  std::vector<float> target_;  // [3,h,w] the photo, raised to the prediction where it is clipped
   TargetImages images_;
   std::vector<float> weight_;    // [h,w] of the picture losses; empty: one
   std::vector<float> reflects_;  // [h,w] pixels that send reflection rays

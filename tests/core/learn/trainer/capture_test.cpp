@@ -25,5 +25,12 @@ TEST(Capture, ColoursOutsideOfRec709AreTrainedOnAsTheNearestInside) {
   }
 }
 
+TEST(Capture, ClippedChannelsAreLowerBounds) {
+  const std::vector<float> prediction{1.0f, 0.5f, 0.99f, 1.0f, 0.2f};
+  std::vector<float> target{0.98f, 1.0f, 0.97f, 0.5f, 0.4f};  // clipped, clipped, not, not, not
+  raise_clipped(prediction, target);
+  EXPECT_EQ(target, (std::vector<float>{1.0f, 1.0f, 0.97f, 0.5f, 0.4f}));
+}
+
 }  // namespace
 }  // namespace vitrine
