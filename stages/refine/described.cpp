@@ -20,7 +20,7 @@ void describe(Describer& d, RefineConfig& c) {
 Stage refine_stage() {
   StageInfo info{
       .name = "refine",
-      .version = 17,
+      .version = 18,
       .summary = "puts what stands behind glass in order, with the mesh",
       .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                  {.name = "masks", .optional = true, .doc = "The object, and what is to be ignored."},
