@@ -8,6 +8,7 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/terminal.h"
 #include "core/foundation/config/cli.h"
+#include "core/scene/image/camera_codecs.h"
 #include "pipeline/commands.h"
 #include "pipeline/settings.h"
 
@@ -64,6 +65,18 @@ std::optional<Colmap> find_colmap() {
   return colmap;
 }
 
+// Decoders of photos that a build may lack.
+void print_photo_formats(std::vector<std::string>& missing) {
+  try {
+    fmt::print("  photos  JPEG, PNG, TIFF, EXR\n");
+    fmt::print("          HEIC, AVIF: {}\n", camera_codecs().heif_version());
+    fmt::print("          raw: {}\n", camera_codecs().raw_version());
+  } catch (const Error& e) {
+    fmt::print("          HEIC, AVIF, raw: {}\n", e.message());
+    missing.push_back(fmt::format("{}: {}", e.message(), e.detail().why));
+  }
+}
+
 }  // namespace
 
 int doctor_command(const Words& words) {
@@ -90,6 +103,7 @@ int doctor_command(const Words& words) {
     fmt::print("  colmap  missing\n");
     missing.push_back("colmap: apt install colmap, or set VITRINE_COLMAP (not needed with --poses that bring sparse points)");
   }
+  print_photo_formats(missing);
   fmt::print("  disk    {} free in {}\n", bytes_text(free_disk_bytes(fs::current_path())), fs::current_path().string());
   std::vector<std::string> names;
   try {

@@ -11,20 +11,32 @@ VITRINE_PACKAGES=(
   libceres-dev libcgal-dev libopenmesh-dev libmeshoptimizer-dev libembree-dev libopenexr-dev libeigen3-dev
   libyaml-cpp-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libutf8proc-dev libexif-dev liblcms2-dev zlib1g-dev
   libsqlite3-dev libdnnl-dev
+  libheif-dev libraw-dev
   colmap
 )
 # npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
+# Decoders of HEIC and AVIF, packages of their own since Debian 13.
+VITRINE_WANTED_PACKAGES=(libheif-plugin-libde265 libheif-plugin-dav1d)
 VITRINE_TEST_PACKAGES=(libgtest-dev libbenchmark-dev)
 # Browser for the tests of the pages: Debian's Chromium, or an installed Chrome.
 [ -x /usr/bin/google-chrome ] || VITRINE_TEST_PACKAGES+=(chromium)
 
 say() { printf '\n== %s\n' "$*"; }
 
+# known_packages PACKAGE...: those that this distribution has.
+known_packages() {
+  local package
+  for package in "$@"; do
+    apt-cache show "$package" >/dev/null 2>&1 && echo "$package"
+  done
+  return 0
+}
+
 # install_packages PACKAGE...: installs missing packages; needs root or sudo.
 install_packages() {
   local missing=() package
-  for package in "$@"; do
+  for package in "$@" $(known_packages "${VITRINE_WANTED_PACKAGES[@]}"); do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
   if [ ${#missing[@]} -eq 0 ]; then
@@ -38,6 +50,7 @@ install_packages() {
     as_root=(sudo)
   fi
   "${as_root[@]}" apt-get update -qq
+  missing+=($(known_packages "${VITRINE_WANTED_PACKAGES[@]}"))  # before the update apt may know no package
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 

@@ -10,9 +10,9 @@
 
 namespace vitrine::ingest {
 
-Developed develop(const fs::path& path, int max_side) {
+Developed develop(const fs::path& path, int max_side, const RawBalance& balance) {
   Developed d;
-  const PhotoHead head = read_photo_head(path);
+  const PhotoHead head = read_photo_head(path, balance);
   const Probe& probe = head.probe;
   const Exif& exif = head.exif;
 

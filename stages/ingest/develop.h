@@ -6,6 +6,7 @@
 #include "core/foundation/base/hash.h"
 #include "core/intake/photos/photo_color.h"
 #include "core/intake/photos/photo_list.h"
+#include "core/intake/photos/raw_photo.h"
 #include "core/scene/image/resample.h"
 
 namespace vitrine::ingest {
@@ -20,8 +21,8 @@ struct Developed {
   ColorFacts color;
 };
 
-// Throws Error{Input} when the file is empty, damaged or truncated.
-Developed develop(const std::filesystem::path& path, int max_side);
+// `balance`: of PhotoFile. Throws Error{Input} when the file is empty, damaged or truncated.
+Developed develop(const std::filesystem::path& path, int max_side, const RawBalance& balance = {});
 
 // Peak memory of `develop` for a photo of `pixels` pixels, in bytes.
 size_t develop_bytes(size_t pixels);

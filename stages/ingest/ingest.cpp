@@ -64,7 +64,7 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
   Outcome outcome;
   Developed developed;
   try {
-    developed = develop(file.path, max_side);
+    developed = develop(file.path, max_side, file.balance);
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     outcome.failure = e.detail().why.empty() ? e.message() : e.detail().why;
@@ -256,7 +256,7 @@ Stage ingest_stage() {
       {.name = "ingest",
        .version = 3,
        .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
-       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."}},
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."}},
        .doing = "reading the photos",
        .cost = ingest_cost},
       &run);

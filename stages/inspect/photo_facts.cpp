@@ -17,7 +17,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
   PhotoFacts f;
   f.name = file.name;
   try {
-    const PhotoHead head = read_photo_head(file.path);
+    const PhotoHead head = read_photo_head(file.path, file.balance);
     const Image8 picture = reduced_photo(file.path, head, kMeasuredSide);
     f.measures = measured(picture);
     const PhotoSize size = upright_size(head);

@@ -25,7 +25,7 @@ std::string reason(const Error& e) { return e.detail().why.empty() ? e.message()
 PagePhoto head_of(const PhotoFile& file, std::optional<PhotoHead>& head) {
   PagePhoto photo{.name = file.name};
   try {
-    head = read_photo_head(file.path);
+    head = read_photo_head(file.path, file.balance);
     PhotoSize size = upright_size(*head);
     if (size.width == 0 || size.height == 0) {
       const ImageF whole = read_linear_photo(file.path, *head).linear;

@@ -40,7 +40,9 @@ ImageF three_channels(const ImageF& image) {
 LinearPhoto read_linear_photo(const fs::path& path, const PhotoHead& head) {
   LinearPhoto p;
   const bool exr = head.probe.format == PhotoFormat::Exr;
-  if (exr) {
+  if (head.probe.format == PhotoFormat::Raw) {
+    p.linear = read_raw_photo(path, head.balance, false);
+  } else if (exr) {
     ExrPicture picture = read_exr_picture(path, head.alpha);
     p.linear = std::move(picture.rgb);
     p.alpha = unless_flat(std::move(picture.alpha));
@@ -85,6 +87,10 @@ ImageF limited(ImageF image, int side) {
 
 Image8 reduced_photo(const std::filesystem::path& path, const PhotoHead& head, int side) {
   const Probe& probe = head.probe;
+  if (probe.format == PhotoFormat::Raw) {
+    const bool half = int(std::max(probe.width, probe.height)) / 2 >= side;
+    return srgb8_from_linear(limited(read_raw_photo(path, head.balance, half), side));
+  }
   if (probe.format == PhotoFormat::Exr || probe.float_samples)
     return srgb8_from_linear(limited(read_linear_photo(path, head).linear, side));
   int reduction = 1;

@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "core/scene/image/color_profile.h"
+#include "core/scene/image/heif_file.h"
 #include "core/scene/image/segments.h"
 #include "core/scene/image/tiff_pages.h"
 #include "core/foundation/math/color.h"
@@ -250,6 +251,25 @@ PhotoColor exr_color(std::string_view file) {
           .refusal = {}};
 }
 
+// The profile precedes the code points, which then describe the coding alone.
+PhotoColor heif_color(std::string_view bytes, const Exif& exif) {
+  const HeifFile file = heif_file(bytes);
+  PhotoColor color;
+  if (take_icc({.bytes = std::string(file.icc), .problem = {}}, color) && color.source == "icc") return color;
+  constexpr unsigned kUnspecified = 2;
+  if (file.nclx && file.nclx->primaries != kUnspecified && file.nclx->transfer != kUnspecified) {
+    if (const ColorProfilePtr profile = cicp_profile(*file.nclx)) {
+      color.profile = profile;
+      color.source = "heif nclx";
+      color.problem.clear();
+      return color;
+    }
+    color.problem = fmt::format("its code points ({} {}) name no colours that are read", file.nclx->primaries, file.nclx->transfer);
+  }
+  if (file.icc.empty()) take_exif(exif, color);
+  return color;
+}
+
 }  // namespace
 
 PhotoColor color_of(std::string_view bytes, const Probe& probe, const Exif& exif) {
@@ -262,6 +282,10 @@ PhotoColor color_of(std::string_view bytes, const Probe& probe, const Exif& exif
       return tiff_color(bytes, probe, exif);
     case PhotoFormat::Exr:
       return exr_color(bytes);
+    case PhotoFormat::Heif:
+      return heif_color(bytes, exif);
+    case PhotoFormat::Raw:
+      return {.profile = linear_rec709_profile(), .source = "camera raw", .problem = {}, .refusal = {}};
     case PhotoFormat::Unknown:
       break;
   }
@@ -279,6 +303,7 @@ bool has_alpha(std::string_view bytes, PhotoFormat format) {
     const TiffPages pages = tiff_pages(bytes);
     found = !pages.pages.empty() && tiff_channels(pages.chosen()).alpha.has_value();
   }
+  if (format == PhotoFormat::Heif) found = heif_file(bytes).alpha;
   if (format == PhotoFormat::Exr) {
     // Zero-terminated names, each followed by 16 bytes. A layer name precedes a dot.
     const std::string_view list = exr_attribute(bytes, "channels", "chlist");

@@ -3,6 +3,8 @@
 //   PNG    cICP, iCCP, sRGB, gAMA with cHRM; EXIF
 //   TIFF   ICC profile (tag 34675); floating-point samples are linear; EXIF
 //   EXR    linear; chromaticities
+//   HEIF   ICC profile; code points ('nclx'); EXIF
+//   raw    linear Rec. 709, as developed (core/intake/photos/raw_photo.h)
 // else sRGB. `source` distinguishes declared sRGB from assumed sRGB.
 #pragma once
 

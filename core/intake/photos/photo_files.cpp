@@ -7,6 +7,7 @@
 #include "core/foundation/base/file.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/picture_file.h"
+#include "core/intake/photos/photo_versions.h"
 #include "core/intake/photos/sorted_pictures.h"
 
 namespace vitrine {
@@ -14,8 +15,7 @@ namespace vitrine {
 namespace {
 
 const char* const kExtensions[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"};
-const char* const kPhotoLike[] = {".cr2",  ".cr3",  ".nef", ".arw", ".dng", ".orf", ".rw2", ".raf", ".heic", ".heif",
-                                  ".webp", ".avif", ".bmp", ".gif", ".jp2", ".hdr", ".mp4", ".mov", ".avi",  ".mkv"};
+const char* const kPhotoLike[] = {".webp", ".bmp", ".gif", ".jp2", ".jxl", ".hdr", ".mp4", ".mov", ".avi", ".mkv"};
 
 template <size_t N>
 bool contains(const char* const (&list)[N], const std::string& word) {
@@ -66,8 +66,8 @@ PhotoFolder find_photos(const fs::path& folder) {
   if (error) throw_unreadable(folder, error.message());
   for (const fs::path& file : found.listed.files) {
     const std::string extension = lowered(file.extension().string());
-    if (contains(kExtensions, extension))
-      found.photos.push_back({folder / file, file.generic_string(), {}, {}});
+    if (contains(kExtensions, extension) || has_heif_extension(extension) || has_raw_extension(extension))
+      found.photos.push_back({.path = folder / file, .source = file.generic_string(), .name = {}, .stem = {}});
     else
       ++found.skipped[extension];
   }
@@ -76,13 +76,18 @@ PhotoFolder find_photos(const fs::path& folder) {
     const std::string others = skipped_text(found);
     throw Error(ErrorKind::Input, "there are no photos in this folder",
                 {.where = folder.string(),
-                 .why = "looked for .jpg .jpeg .png .tif .tiff .exr (also in sub-folders); found " +
+                 .why = "looked for .jpg .jpeg .png .tif .tiff .exr .heic .heif .hif .avif and raw photos (also in sub-folders); found " +
                         (others.empty() ? "no files" : others) + closed_text(found.listed),
-                 .hint = "give the folder that holds the photos; convert raw or HEIC photos to JPEG or 16-bit TIFF first",
+                 .hint = "give the folder that holds the photos; convert others to JPEG or 16-bit TIFF first",
                  .code = "NO_PHOTOS"});
   }
   sort_pictures(found);
+  leave_out_versions(found);
   assign_names(found.photos);
+  std::vector<fs::path> paths;
+  for (const PhotoFile& photo : found.photos) paths.push_back(photo.path);
+  const std::vector<RawBalance> balances = common_balance(paths);
+  for (size_t i = 0; i < balances.size(); ++i) found.photos[i].balance = balances[i];
   return found;
 }
 
@@ -97,13 +102,14 @@ void assign_names(std::vector<PhotoFile>& photos) {
       photo.stem = fmt::format("{}_{}", plain, extension.substr(1));
       if (n > 1) photo.stem += fmt::format("_{}", n);
     }
-    // The sfm stage writes an 8-bit picture under this name, for which .exr is not possible.
-    if (lowered(extension) == ".exr") extension = ".png";
+    // The sfm stage writes an 8-bit picture under this name, for which .exr, .heic and raw are not possible.
+    constexpr const char* kWritten[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff"};
+    if (!contains(kWritten, lowered(extension))) extension = ".png";
     photo.name = photo.stem + extension;
   }
 }
 
-PhotoHead read_photo_head(const fs::path& path) {
+PhotoHead read_photo_head(const fs::path& path, const RawBalance& balance) {
   const auto throw_unusable = [&](std::string why) {
     throw Error(
         ErrorKind::Input, "a photo cannot be used",
@@ -119,8 +125,16 @@ PhotoHead read_photo_head(const fs::path& path) {
                  .notes = std::move(file.notes),
                  .aside = std::move(file.aside),
                  .color = {},
-                 .alpha = has_alpha(bytes, file.probe.format)};
+                 .alpha = has_alpha(bytes, file.probe.format),
+                 .balance = balance};
   if (file.probe.format == PhotoFormat::Tiff) head.exif.orientation = file.probe.orientation;  // of the selected page
+  if (file.probe.format == PhotoFormat::Heif) head.exif.orientation = 1;  // decoded upright
+  if (file.probe.format == PhotoFormat::Raw) {
+    const RawHead raw = raw_head(path);
+    if (!raw.problem.empty()) throw_unusable(raw.problem);
+    add_raw_facts(head.exif, raw.facts);
+    head.probe.width = uint64_t(raw.facts.width), head.probe.height = uint64_t(raw.facts.height);
+  }
   head.color = color_of(bytes, head.probe, head.exif);
   if (!head.color.refusal.empty()) throw_unusable(head.color.refusal);
   return head;

@@ -12,6 +12,7 @@
 #include "core/intake/photos/exif.h"
 #include "core/intake/photos/photo_color.h"
 #include "core/intake/photos/picture_roles.h"
+#include "core/intake/photos/raw_photo.h"
 
 namespace vitrine {
 
@@ -19,6 +20,7 @@ struct PhotoFile {
   std::filesystem::path path;
   std::string source;      // below the folder, with '/'
   std::string name, stem;  // unique (core/intake/photos/photo_list.h)
+  RawBalance balance{};    // raw photos: white balance of the first photo of the camera
 };
 
 // A picture that belongs to a photo but is no photo itself.
@@ -35,6 +37,11 @@ struct SecondSet {
   size_t photos = 0;
 };
 
+// The same photo in another file, left out: the JPEG of a raw photo.
+struct PhotoVersion {
+  std::string source, of;
+};
+
 struct PhotoFolder {
   std::filesystem::path folder;
   std::vector<PhotoFile> photos;          // sorted by source, byte order
@@ -42,6 +49,7 @@ struct PhotoFolder {
   std::vector<BesidePhoto> beside;        // sorted by source
   std::vector<std::string> like_photos;   // named like a mask, ... of another picture, but a photo by content
   std::vector<SecondSet> second_sets;
+  std::vector<PhotoVersion> versions;  // sorted by the source of the photo
   FolderFiles listed;  // links, unreadable folders, junk; without its files
 };
 
@@ -69,9 +77,10 @@ struct PhotoHead {
   std::string aside;
   PhotoColor color;
   bool alpha = false;  // the file has an alpha channel
+  RawBalance balance{};
 };
-// Throws Error{Input} when the file is empty, truncated, unsupported, too large, or in print colours.
-PhotoHead read_photo_head(const std::filesystem::path& path);
+// Throws Error{Input} when the file is empty, truncated, unsupported, too large, or in print colours. `balance`: of PhotoFile.
+PhotoHead read_photo_head(const std::filesystem::path& path, const RawBalance& balance = {});
 
 // "3 x .cr2, 1 x .txt"
 std::string skipped_text(const PhotoFolder& folder);

@@ -131,8 +131,10 @@ PhotoMeasures small_measures(const fs::path& path, const PictureHead& head) {
 }  // namespace
 
 bool looks_like_mask(const fs::path& path, const MaskLook& look) {
+  const PictureHead head = head_of(path);
+  if (head.format == PhotoFormat::Raw) return false;
   // Decoding hundreds of large masks is slow, and no photograph is a PNG of a tenth of a byte per pixel.
-  if (const PictureHead head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
+  if (look.quick && head.format == PhotoFormat::Png) {
     constexpr double kPlain = 0.1;
     std::error_code ec;
     if (double(fs::file_size(path, ec)) < kPlain * head.width * head.height && !ec) return true;

@@ -32,8 +32,8 @@ struct CameraCodecs {
   // the other output stays empty. 3 channels, or 4 with alpha if `alpha`.
   std::string (*heif)(std::string_view bytes, bool alpha, Image8& out8, Image16& out16);
   std::string (*raw_facts)(const std::string& path, RawFacts& out);
-  // Linear Rec. 709, as stored (not turned). 1 is where the first of the balanced channels saturates (core/intake/photos/
-  // README.md, "Raw"); brighter values are kept.
+  // Linear Rec. 709, as stored (not turned). 1 is where the first of the balanced channels saturates (stages/ingest/README.md,
+  // "Phones and cameras"); brighter values are kept.
   std::string (*raw)(const std::string& path, const RawRequest& request, ImageF& out);
   // "libheif 1.15.1 (HEVC, AV1)", "LibRaw 0.20.2", or why they are missing.
   std::string (*heif_version)();

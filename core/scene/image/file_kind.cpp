@@ -12,7 +12,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::string_view kConvert = "convert it to JPEG or 16-bit TIFF";
-constexpr std::string_view kDevelop = "develop it and export a 16-bit TIFF or a JPEG";
+constexpr std::string_view kDevelop = "develop it and export a 16-bit TIFF or a JPEG", kRaw = "a raw photo";
 constexpr std::string_view kFetch = "fetch the picture itself";
 constexpr std::string_view kUnpack = "unpack it";
 constexpr std::string_view kFrames = "extract its frames as pictures";
@@ -78,10 +78,12 @@ FileKind boxed_kind(std::string_view b) {  // ISO base media: size of the first 
   const auto among = [&](std::initializer_list<std::string_view> words) {
     return std::any_of(words.begin(), words.end(), [&](std::string_view w) { return brands.find(w) != std::string_view::npos; });
   };
-  if (major == "crx ") return {"a raw photo (CR3)", std::string(kDevelop)};
-  if (among({"avif", "avis"})) return {"an AVIF picture", std::string(kConvert)};
+  if (major == "crx ") return {.name = "a raw photo (CR3)", .advice = std::string(kDevelop), .raw = true};
+  if (among({"avif", "avis"})) return {.name = "an AVIF picture", .advice = std::string(kConvert), .heif = true};
   if (among({"heic", "heix", "heim", "heis", "hevc", "hevx", "mif1", "msf1"}))
-    return {"a HEIC photo", fmt::format("{} (on an iPhone: Settings, Camera, Formats, \"Most Compatible\")", kConvert)};
+    return {.name = "a HEIC photo",
+            .advice = fmt::format("{} (on an iPhone: Settings, Camera, Formats, \"Most Compatible\")", kConvert),
+            .heif = true};
   if (major == "qt  ") return {"a film (QuickTime)", std::string(kFrames)};
   return {"a film (MP4)", std::string(kFrames)};
 }
@@ -137,7 +139,8 @@ FileKind file_kind(std::string_view b) {
       (b[2] == '\n' || b[2] == ' ' || b[2] == '\r' || b[2] == '\t'))
     return {"a PNM or PFM picture", std::string(kConvert), true};
   for (const Magic& m : kMagics)
-    if (b.size() >= m.at && b.substr(m.at).starts_with(m.bytes)) return {std::string(m.name), std::string(m.advice), false};
+    if (b.size() >= m.at && b.substr(m.at).starts_with(m.bytes))
+      return {.name = std::string(m.name), .advice = std::string(m.advice), .raw = m.name.starts_with(kRaw)};
   if (!b.empty() && std::all_of(b.begin(), b.end(), [](char c) { return c == '\0'; }))
     return {"a file of zeros (an interrupted copy, or a failing card)", "copy it again"};
   if (FileKind kind = text_kind(b); !kind.name.empty()) return kind;

@@ -11,6 +11,8 @@ struct FileKind {
   std::string name;        // "a HEIC photo"; empty if unknown
   std::string advice;      // suggested action
   bool decodable = false;  // supported for masks, not for photos: BMP, WebP, PNM
+  bool heif = false;       // HEIC or AVIF (core/scene/image/heif_file.h)
+  bool raw = false;        // raw photo that is no TIFF (those: core/scene/image/tiff_pages.h)
 };
 
 FileKind file_kind(std::string_view bytes);

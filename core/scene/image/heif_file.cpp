@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/image/camera_codecs.h"
 #include "core/scene/image/segments.h"
 
 namespace vitrine {
@@ -198,7 +199,8 @@ void take_properties(const Items& items, const Item& item, HeifFile& file) {
         const uint64_t n = number_at(p.body, at, 4, true), d = number_at(p.body, at + 4, 4, true);
         return d > 0 ? n / d : 0;
       };
-      if (part(0) > 0 && part(0) <= file.width && part(8) > 0 && part(8) <= file.height) file.width = part(0), file.height = part(8);
+      if (part(0) > 0 && part(0) <= file.width && part(8) > 0 && part(8) <= file.height)
+        file.width = part(0), file.height = part(8);
     } else if (p.type == "irot") {
       if (number_at(p.body, 0, 1, true) & 1) std::swap(file.width, file.height);
     } else if (p.type == "pixi") {
@@ -268,8 +270,7 @@ HeifFile heif_file(std::string_view bytes) {
   // Tiles of a grid have what the grid leaves out.
   for (const Reference& r : items.references) {
     if (r.type == "auxl") {
-      file.alpha = file.alpha ||
-                   (is_alpha(items, r.from) && std::find(r.to.begin(), r.to.end(), items.primary) != r.to.end());
+      file.alpha = file.alpha || (is_alpha(items, r.from) && std::find(r.to.begin(), r.to.end(), items.primary) != r.to.end());
       if (r.to.size() > 1) file.shared_auxiliaries.push_back(r.type_at);
     }
     if (r.type != "dimg" || r.from != items.primary || r.to.empty()) continue;
@@ -290,9 +291,24 @@ std::string heif_refusal(const HeifFile& file, std::string_view bytes, std::stri
   if (file.needed_bytes > bytes.size())
     return fmt::format("it is {} of which {} of {} bytes are there: the copy was cut short; copy it again", kind, bytes.size(),
                        file.needed_bytes);
-  if (file.coding.empty()) return fmt::format("it is {} that names no picture: the copy was cut short, or it is damaged", kind);
+  if (file.coding.empty()) return fmt::format("it is {} without a picture: the copy was cut short; copy it again", kind);
   if (file.width == 0 || file.height == 0) return fmt::format("it is {} that does not state its size: it is damaged", kind);
   return {};
+}
+
+std::string decoded_heif(std::string_view bytes, std::string_view kind, Image8& out8, Image16& out16) {
+  const HeifFile file = heif_file(bytes);
+  if (std::string why = heif_refusal(file, bytes, kind); !why.empty()) return why;
+  std::string why = camera_codecs().heif(bytes, file.alpha, out8, out16);
+  if (why.empty()) return {};
+  if (!file.shared_auxiliaries.empty() &&
+      camera_codecs().heif(without_shared_auxiliaries(bytes, file), false, out8, out16).empty())
+    return {};
+  return fmt::format(
+      "it is {}: {}. Any of these helps: set the phone to \"Most Compatible\" (Settings, Camera, Formats); share the photos as "
+      "JPEG "
+      "from the phone; convert them to JPEG or TIFF (heif-convert, magick); build with a newer libheif (Debian 13 has 1.19)",
+      kind, why);
 }
 
 std::string without_shared_auxiliaries(std::string_view bytes, const HeifFile& file) {

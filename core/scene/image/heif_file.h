@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/scene/image/color_profile.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 
@@ -32,6 +33,10 @@ HeifFile heif_file(std::string_view bytes);
 
 // Reason why the primary picture cannot be read, or empty. `bytes`: the whole file, `kind`: "a HEIC photo".
 std::string heif_refusal(const HeifFile& file, std::string_view bytes, std::string_view kind);
+
+// Decodes the primary picture as displayed, in the colours of the file, 3 or 4 (alpha) channels of 8 or 16 bits; the other output
+// stays empty. Returns why it cannot be decoded and what helps; empty on success. `kind`: "a HEIC photo".
+std::string decoded_heif(std::string_view bytes, std::string_view kind, Image8& out8, Image16& out16);
 
 // `bytes` with the references at `shared_auxiliaries` renamed, so that they have no meaning.
 std::string without_shared_auxiliaries(std::string_view bytes, const HeifFile& file);

@@ -13,6 +13,7 @@
 #include "core/foundation/math/color.h"
 #include "core/scene/image/codecs.h"
 #include "core/scene/image/file_kind.h"
+#include "core/scene/image/heif_file.h"
 #include "core/scene/image/picture_file.h"
 #include "core/scene/image/resample.h"
 #include "core/scene/image/tiff_pages.h"
@@ -97,6 +98,19 @@ Decoded decode(const fs::path& path, int channels = 0, int reduction = 1) {
     }
     case PhotoFormat::Tiff:
       why = read_tiff(bytes, tiff_pages(bytes), decoded.image);
+      break;
+    case PhotoFormat::Heif: {
+      Image8 narrow;
+      Image16 wide;
+      why = decoded_heif(bytes, file_kind(bytes).name, narrow, wide);
+      if (wide.empty())
+        decoded.image = std::move(narrow);
+      else
+        decoded.image = std::move(wide);
+      break;
+    }
+    case PhotoFormat::Raw:  // photos only (core/intake/photos/raw_photo.h)
+      why = is_tiff(bytes) ? tiff_refusal(tiff_pages(bytes)) : foreign_content(bytes, path.extension().string());
       break;
     case PhotoFormat::Exr:
     case PhotoFormat::Unknown:

@@ -1,4 +1,4 @@
-// Image input and output for photos, masks and previews (JPEG, PNG, TIFF; masks also BMP, WebP, PNM). Only ldr.cpp includes
+// Image input and output for photos, masks and previews (JPEG, PNG, TIFF, HEIC, AVIF; masks also BMP, WebP, PNM). Only ldr.cpp includes
 // codec headers.
 #pragma once
 

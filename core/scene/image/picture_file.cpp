@@ -4,6 +4,7 @@
 
 #include "core/scene/image/codecs.h"
 #include "core/scene/image/file_kind.h"
+#include "core/scene/image/heif_file.h"
 #include "core/scene/image/segments.h"
 #include "core/scene/image/tiff_pages.h"
 
@@ -54,7 +55,11 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
     case PhotoFormat::Png:
       file.refusal = missing_end(bytes);
       break;
-    case PhotoFormat::Exr:  // checked by its reader
+    case PhotoFormat::Heif:
+      file.refusal = heif_refusal(heif_file(bytes), bytes, file_kind(bytes).name);
+      break;
+    case PhotoFormat::Raw:  // checked by their readers
+    case PhotoFormat::Exr:
       break;
   }
   return file;

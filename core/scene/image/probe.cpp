@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/image/file_kind.h"
+#include "core/scene/image/heif_file.h"
 #include "core/scene/image/segments.h"
 #include "core/scene/image/tiff_pages.h"
 
@@ -16,9 +18,10 @@ constexpr std::string_view kExifMagic("Exif\0\0", 6);
 PhotoFormat format_of(std::string_view b) {
   if (b.starts_with("\xff\xd8\xff")) return PhotoFormat::Jpeg;
   if (b.starts_with(kPngMagic)) return PhotoFormat::Png;
-  if (is_tiff(b)) return PhotoFormat::Tiff;
+  if (is_tiff(b)) return tiff_pages(b).raw.empty() ? PhotoFormat::Tiff : PhotoFormat::Raw;
   if (b.starts_with(kExrMagic)) return PhotoFormat::Exr;
-  return PhotoFormat::Unknown;
+  const FileKind kind = file_kind(b);
+  return kind.heif ? PhotoFormat::Heif : kind.raw ? PhotoFormat::Raw : PhotoFormat::Unknown;
 }
 
 void probe_tiff(std::string_view b, Probe& probe) {
@@ -65,6 +68,16 @@ Probe probe_photo(std::string_view b) {
     case PhotoFormat::Exr:
       probe_exr(b, probe);
       break;
+    case PhotoFormat::Heif: {
+      const HeifFile file = heif_file(b);
+      probe.width = file.width;
+      probe.height = file.height;
+      break;
+    }
+    case PhotoFormat::Raw:  // linear: samples of the sensor
+      if (is_tiff(b)) probe_tiff(b, probe);
+      probe.float_samples = true;
+      break;
     case PhotoFormat::Unknown:
       break;
   }
@@ -110,6 +123,12 @@ std::string exif_block(std::string_view b) {
       break;
     case PhotoFormat::Tiff:
       block = tiff_exif_block(b);
+      break;
+    case PhotoFormat::Heif:
+      block = heif_file(b).exif;
+      break;
+    case PhotoFormat::Raw:
+      if (is_tiff(b)) block = tiff_exif_block(b);
       break;
     default:
       break;

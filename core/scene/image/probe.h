@@ -9,13 +9,13 @@
 
 namespace vitrine {
 
-enum class PhotoFormat { Unknown, Jpeg, Png, Tiff, Exr };
+enum class PhotoFormat { Unknown, Jpeg, Png, Tiff, Exr, Heif, Raw };
 
 struct Probe {
   PhotoFormat format = PhotoFormat::Unknown;
-  uint64_t width = 0, height = 0;  // as stored; 0 if not found in these bytes
+  uint64_t width = 0, height = 0;  // as stored (HEIF: as displayed); 0 if not found in these bytes
   bool float_samples = false;      // TIFF with floating-point samples: linear, not sRGB
-  int orientation = 1;             // for TIFF; other formats store it in the EXIF block
+  int orientation = 1;             // for TIFF; other formats store it in the EXIF block, HEIF is decoded upright
 };
 
 // `bytes` may be the beginning of a file.

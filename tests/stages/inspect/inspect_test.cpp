@@ -122,7 +122,7 @@ TEST(Inspect, SaysWhatLiesBesideThePhotos) {
     for (int x = 300; x < 600; ++x) mask.at(x, y) = 255;
   folder.add(mask, "00_mask.png");
   fs::create_symlink("nowhere.jpg", folder.path("gone.jpg"));
-  write_file(folder.path("a.heic"), "x");
+  write_file(folder.path("a.webp"), "x");
   const auto report = folder.report();
   EXPECT_EQ(report["photos"].size(), 16u);
   EXPECT_EQ(codes(report), (std::set<std::string>{"masks_beside_photos", "links_broken", "types_not_read"}));

@@ -26,8 +26,10 @@ using Picture = std::unique_ptr<heif_image, Releaser<heif_image_release>>;
 
 std::string failure(const heif_error& error) {
   std::string why = error.message ? error.message : "unknown error";
-  if (!heif_have_decoder_for_format(heif_compression_HEVC)) why += "; its decoder of HEVC is missing: apt install libheif-plugin-libde265";
-  if (!heif_have_decoder_for_format(heif_compression_AV1)) why += "; its decoder of AV1 is missing: apt install libheif-plugin-dav1d";
+  if (!heif_have_decoder_for_format(heif_compression_HEVC))
+    why += "; its decoder of HEVC is missing: apt install libheif-plugin-libde265";
+  if (!heif_have_decoder_for_format(heif_compression_AV1))
+    why += "; its decoder of AV1 is missing: apt install libheif-plugin-dav1d";
   return fmt::format("libheif {} refuses it: {}", heif_get_version(), why);
 }
 
@@ -35,7 +37,8 @@ template <class T>
 Image<T> rows_of(const uint8_t* plane, int stride, int width, int height, int channels) {
   Image<T> out(width, height, channels);
   for (int y = 0; y < height; ++y)
-    std::copy_n(reinterpret_cast<const T*>(plane + size_t(y) * size_t(stride)), size_t(width) * size_t(channels), out.pixel(0, y));
+    std::copy_n(reinterpret_cast<const T*>(plane + size_t(y) * size_t(stride)), size_t(width) * size_t(channels),
+                out.pixel(0, y));
   return out;
 }
 
@@ -68,8 +71,9 @@ std::string decode_heif(std::string_view bytes, bool alpha, Image8& out8, Image1
   if (int64_t(heif_image_handle_get_width(primary)) * heif_image_handle_get_height(primary) > kMostPixels)
     return "its picture has more pixels than vitrine takes";
   const bool wide = heif_image_handle_get_luma_bits_per_pixel(primary) > 8;
-  const heif_chroma layout = wide ? alpha ? heif_chroma_interleaved_RRGGBBAA_LE : heif_chroma_interleaved_RRGGBB_LE
-                                  : alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB;
+  const heif_chroma layout = wide    ? alpha ? heif_chroma_interleaved_RRGGBBAA_LE : heif_chroma_interleaved_RRGGBB_LE
+                             : alpha ? heif_chroma_interleaved_RGBA
+                                     : heif_chroma_interleaved_RGB;
   heif_image* decoded = nullptr;
   error = heif_decode_image(primary, &decoded, heif_colorspace_RGB, layout, nullptr);
   const Picture picture(decoded);

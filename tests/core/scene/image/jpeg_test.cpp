@@ -142,6 +142,20 @@ TEST(Png, TrailersAreIgnoredAndCutsAreFound) {
   EXPECT_NE(error_of([&] { read_srgb(folder.path() / "c.png"); }).detail().why.find("damaged"), std::string::npos);
 }
 
+TEST(FileKind, RawPhotosAreKnownByTheirContent) {
+  const std::pair<std::string_view, const char*> kinds[] = {
+      {"\0\0\0\x18"
+       "ftypcrx \0\0\0\0crx isom"sv,
+       "a raw photo (CR3)"},
+      {"FUJIFILMCCD-RAW 0201"sv, "a raw photo (RAF)"},
+      {"IIRO\x08\0\0\0"sv, "a raw photo (ORF)"},
+  };
+  for (const auto& [bytes, name] : kinds) {
+    EXPECT_EQ(probe_photo(bytes).format, PhotoFormat::Raw) << name;
+    EXPECT_NE(foreign_content(bytes, ".jpg").find(name), std::string::npos) << "as a mask";
+  }
+}
+
 TEST(FileKind, WhatIsCalledAPhotoAndIsNoneIsNamed) {
   const std::pair<std::string_view, const char*> kinds[] = {
       {"\0\0\0\x18"
@@ -151,9 +165,6 @@ TEST(FileKind, WhatIsCalledAPhotoAndIsNoneIsNamed) {
        "ftypmif1\0\0\0\0mif1avif"sv,
        "an AVIF picture"},
       {"\0\0\0\x18"
-       "ftypcrx \0\0\0\0crx isom"sv,
-       "a raw photo (CR3)"},
-      {"\0\0\0\x18"
        "ftypisom\0\0\0\0mp42isom"sv,
        "a film"},
       {"RIFF\x10\0\0\0WEBPVP8 "sv, "a WebP picture"},
@@ -162,8 +173,6 @@ TEST(FileKind, WhatIsCalledAPhotoAndIsNoneIsNamed) {
       {"\0\0\0\x0cJXL \r\n\x87\n"sv, "a JPEG XL picture"},
       {"\xff\x0a\xfa\x7f"sv, "a JPEG XL picture"},
       {"\0\0\0\x0cjP  \r\n\x87\n"sv, "a JPEG 2000 picture"},
-      {"FUJIFILMCCD-RAW 0201"sv, "a raw photo (RAF)"},
-      {"IIRO\x08\0\0\0"sv, "a raw photo (ORF)"},
       {"version https://git-lfs.github.com/spec/v1\noid sha256:12\nsize 9\n"sv, "a pointer of Git LFS"},
       {"\xef\xbb\xbf <!DOCTYPE html><html><head>"sv, "a web page"},
       {"  <html lang=\"en\">"sv, "a web page"},
