@@ -9,7 +9,7 @@ std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_c
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
     onnx_corpus(), weights_corpus(), objects_corpus();
-std::vector<std::string> icc_corpus(), tagged_photo_corpus();
+std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
   using namespace std::string_view_literals;
@@ -85,6 +85,16 @@ std::span<const FuzzFormat> fuzz_formats() {
         "\x02\x01\x03\x00"sv, "\x03\x01\x03\x00"sv, "\x06\x01\x03\x00"sv, "\x11\x01\x04\x00"sv, "\x15\x01\x03\x00"sv,
         "\x16\x01\x04\x00"sv, "\x17\x01\x04\x00"sv, "\x1c\x01\x03\x00\x01\x00\x00\x00\x02"sv, "\x3d\x01\x03\x00"sv,
         "\x42\x01\x03\x00"sv, "\x4a\x01\x04\x00"sv, "\x52\x01\x03\x00"sv, "\x53\x01\x03\x00"sv, "\xff\xff\xff\x7f"sv}},
+      {"heif", fuzz_heif, heif_corpus, {"ftypheic", "ftypavif", "meta",       "iinf",      "infe\2"sv,       "iloc\1\0\0\0\x44"sv,
+                                        "iref\1"sv, "iprp",     "ipco",       "ipma",      "ispe\0\0\0\0"sv, "irot",
+                                        "imir",     "clap",     "colrnclx",   "colrprof",  "grid",           "iden",
+                                        "auxl",     "dimg",     "\0\0\0\1"sv, "\0\0\0\0"sv}},
+      {"raw",
+       fuzz_raw,
+       raw_corpus,
+       {"II*\0"sv, "MM\0*"sv, "\x00\x01\x04\x00\x01\x00\x00\x00"sv, "\x03\x01\x03\x00"sv, "\x11\x01\x04\x00"sv,
+        "\x17\x01\x04\x00"sv, "\x12\xc6\x01\x00"sv, "\x4a\x01\x04\x00"sv, "\xff\xff\xff\x7f"sv, "FUJIFILMCCD-RAW ", "IIRO",
+        "Canon", "NIKON", "SONY"}},
       {"icc",
        fuzz_icc,
        icc_corpus,

@@ -11,9 +11,10 @@ class Fuzz : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(Fuzz, EveryInputIsReadOrRefused) {
   const FuzzFormat& format = fuzz_format(GetParam());
-  const uint64_t runs = format.name == "onnx"                                                            ? 40
-                        : format.name == "exr" || format.name.ends_with("photo") || format.name == "icc" ? 100
-                                                                                                         : 250;
+  const uint64_t runs = format.name == "onnx" ? 40
+                        : format.name == "exr" || format.name == "heif" || format.name.ends_with("photo") || format.name == "icc"
+                            ? 100
+                            : 250;
   EXPECT_GE(fuzz(format, {.runs = runs, .seed = 20}), runs);
 }
 

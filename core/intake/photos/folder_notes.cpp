@@ -77,12 +77,12 @@ std::vector<FolderNote> notes_of(const PhotoFolder& folder) {
                                  named(set.left_out), (folder.folder / set.left_out).string())});
   }
   if (!folder.versions.empty())
-    notes.push_back({"PHOTOS_IN_TWO_FORMATS", false,
-                     count(folder.versions.size(), "file holds a photo that another file holds too",
-                           "files hold photos that other files hold too"),
-                     some(folder.versions,
-                          [](const PhotoVersion& v) { return fmt::format("{} is left out for {}", v.source, v.of); }),
-                     "TIFF, PNG and EXR are used before raw, raw before HEIC and JPEG; move out of the folder what is not wanted"});
+    notes.push_back(
+        {"PHOTOS_IN_TWO_FORMATS", false,
+         count(folder.versions.size(), "file holds a photo that another file holds too",
+               "files hold photos that other files hold too"),
+         some(folder.versions, [](const PhotoVersion& v) { return fmt::format("{} is left out for {}", v.source, v.of); }),
+         "TIFF, PNG and EXR are used before raw, raw before HEIC and JPEG; move out of the folder what is not wanted"});
   if (!folder.like_photos.empty())
     notes.push_back({"PHOTOS_CALLED_LIKE_MASKS", false,
                      count(folder.like_photos.size(), "file is called like a mask or map of another one and looks like a photo",

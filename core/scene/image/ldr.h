@@ -1,5 +1,5 @@
-// Image input and output for photos, masks and previews (JPEG, PNG, TIFF, HEIC, AVIF; masks also BMP, WebP, PNM). Only ldr.cpp includes
-// codec headers.
+// Image input and output for photos, masks and previews (JPEG, PNG, TIFF, HEIC, AVIF; masks also BMP, WebP, PNM). Only ldr.cpp
+// includes codec headers.
 #pragma once
 
 #include <filesystem>

@@ -46,7 +46,7 @@ TEST(Contents, PicturesAreTakenWholeAndWhatIsLeftOutIsSaidOnce) {
             std::string::npos);
   EXPECT_NE(context.warnings["PHOTO_CONTENT"].find("2 photos (c.tif and others): a TIFF of 5 channels"), std::string::npos)
       << context.warnings["PHOTO_CONTENT"];
-  EXPECT_NE(context.warnings["PHOTOS_LEFT_OUT"].find("g.jpg: it is a HEIC photo, called .jpg"), std::string::npos);
+  EXPECT_NE(context.warnings["PHOTOS_LEFT_OUT"].find("g.jpg: it is a HEIC photo without a picture: the copy was cut short"), std::string::npos);
   EXPECT_NE(context.warnings["PHOTOS_LEFT_OUT"].find("h.jpg: it is a web page"), std::string::npos);
 }
 
