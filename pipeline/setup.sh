@@ -16,8 +16,8 @@ VITRINE_PACKAGES=(
 )
 # npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
-# Decoders of HEIC and AVIF, packages of their own since Debian 13.
-VITRINE_WANTED_PACKAGES=(libheif-plugin-libde265 libheif-plugin-dav1d)
+# Decoders of HEIC and AVIF, and the encoder of the tests: packages of their own since Debian 13.
+VITRINE_WANTED_PACKAGES=(libheif-plugin-libde265 libheif-plugin-dav1d libheif-plugin-x265)
 VITRINE_TEST_PACKAGES=(libgtest-dev libbenchmark-dev)
 # Browser for the tests of the pages: Debian's Chromium, or an installed Chrome.
 [ -x /usr/bin/google-chrome ] || VITRINE_TEST_PACKAGES+=(chromium)

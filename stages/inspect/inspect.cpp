@@ -136,7 +136,7 @@ Stage inspect_stage() {
       {.name = "inspect",
        .version = 2,
        .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
-       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."},
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."},
                   {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"},
                   {.name = "masks", .artifact = false, .optional = true, .doc = "masks that the run will be given"}}},
       &run);

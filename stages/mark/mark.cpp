@@ -156,7 +156,7 @@ Stage mark_stage() {
       .name = "mark",
       .version = 2,
       .summary = "one page that shows the photos, in which people draw what is glass and metal, and that saves marks.yaml",
-      .inputs = {{.name = "photos", .artifact = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."},
+      .inputs = {{.name = "photos", .artifact = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."},
                  {.name = "marks", .artifact = false, .optional = true, .doc = "Marks to go on with: a YAML file."},
                  {.name = "sfm", .optional = true, .doc = "Cameras of a run: do the marked photos look from different sides?"},
                  {.name = "masks", .optional = true, .doc = "What the marks became in every photo of that run."}}};
