@@ -45,6 +45,10 @@ size_t stored_pixels(const fs::path& path) {
   head.resize(static_cast<size_t>(in.gcount()));
   Probe probe = probe_photo(head);
   if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories are often at the end of the file
+  if (probe.format == PhotoFormat::Raw) {  // its first directory is often that of a preview
+    const RawFacts facts = raw_head(path).facts;
+    probe.width = uint64_t(facts.width), probe.height = uint64_t(facts.height);
+  }
   constexpr uint64_t kTypicalPixels = 24'000'000, kMaxSide = 1 << 20;
   if (probe.width == 0 || probe.height == 0 || probe.width > kMaxSide || probe.height > kMaxSide) return kTypicalPixels;
   return static_cast<size_t>(probe.width * probe.height);

@@ -38,9 +38,9 @@ std::vector<std::string> heif_corpus() {
       return out;
     };
     const std::string exif = exif_bytes({{0x010f, 'a', 0, 1, "Maker"}}, {{0x829a, 'r', 1, 125}, {0xa405, 's', 35}}).substr(6);
-    const std::string alpha = heif_bytes(image(4), {.alpha = true});
+    const std::string alpha = heif_bytes(image(4), {.alpha = true}), shared = with_shared_auxiliary(alpha);
     return {heif_bytes(image(3), {.orientation = 6, .exif = exif}), heif_bytes(image(3), {.bits = 10, .primaries = 12}), alpha,
-            with_shared_auxiliary(alpha)};
+            shared.empty() ? alpha : shared};
   }
 #endif
   return {

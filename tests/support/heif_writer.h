@@ -102,16 +102,16 @@ inline void grow_number(std::string& bytes, size_t at, unsigned by) {
 }
 
 // The auxiliary picture (alpha) refers to two pictures, as those of newer phones do. libheif writes 16-bit item numbers and a
-// meta box before the data with 32-bit extents: two bytes more move the data.
+// meta box before the data with 32-bit extents: two bytes more move the data. Empty: this libheif writes them otherwise.
 inline std::string with_shared_auxiliary(std::string bytes) {
   const size_t meta = bytes.find("meta"), iref = bytes.find("iref"), auxl = bytes.find("auxl"), iloc = bytes.find("iloc");
-  if (std::max({meta, iref, auxl, iloc}) == std::string::npos) throw std::runtime_error("no box of an auxiliary picture");
+  if (std::max({meta, iref, auxl, iloc}) == std::string::npos) return {};
   const auto two = [&](size_t at) { return size_t(uint8_t(bytes[at])) << 8 | size_t(uint8_t(bytes[at + 1])); };
   // iloc: version 0 or 1, sizes in bytes 8 and 9 behind the type, then the items.
   const unsigned version = uint8_t(bytes[iloc + 4]);
   const unsigned offsets = uint8_t(bytes[iloc + 8]) >> 4, lengths = uint8_t(bytes[iloc + 8]) & 15,
                  bases = uint8_t(bytes[iloc + 9]) >> 4;
-  if (offsets != 4 || version > 1) throw std::runtime_error("places of another kind than libheif 1.15 writes");
+  if (offsets != 4 || version > 1) return {};
   size_t at = iloc + 12;
   for (size_t items = two(iloc + 10); items > 0; --items) {
     at += 2;

@@ -164,6 +164,7 @@ TEST_F(PhonePhotos, AuxiliaryPicturesOfTwoPicturesDoNoHarm) {
   for (size_t i = 0; i < rgb.pixel_count(); ++i)
     for (size_t c = 0; c < 3; ++c) image.data()[4 * i + c] = rgb.data()[3 * i + c];
   const std::string plain = heif_bytes(image, {.alpha = true}), shared = test::with_shared_auxiliary(plain);
+  if (shared.empty()) GTEST_SKIP() << "libheif " << heif_get_version() << " writes other boxes";
   EXPECT_TRUE(heif_file(plain).shared_auxiliaries.empty());
   ASSERT_EQ(heif_file(shared).shared_auxiliaries.size(), 1u);
   if (heif_get_version_number() < 0x01120000) {  // the case is the one of the phones

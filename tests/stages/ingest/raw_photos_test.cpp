@@ -150,6 +150,18 @@ TEST_F(RawPhotos, WhatCannotBeDevelopedIsNamedWithItsCamera) {
             std::string::npos)
       << unknown;
   EXPECT_NE(why(good.substr(0, 4000)), "");
+  // Cameras write the samples behind the directory: a copy that was cut short lacks the end of them.
+  constexpr size_t kSamplesAt = 8, kSampleBytes = size_t(96) * 64 * 2;
+  const std::string_view place("\x11\x01\x04\0\1\0\0\0\x08\0\0\0", 12);  // StripOffsets
+  std::string last = good + good.substr(kSamplesAt, kSampleBytes);
+  const size_t at = last.find(place);
+  ASSERT_NE(at, std::string::npos);
+  for (size_t i = 0; i < 4; ++i) last[at + 8 + i] = static_cast<char>(good.size() >> (8 * i));
+  EXPECT_EQ(develop(written("b.dng", last), 0).linear.width(), 96);
+  for (const size_t lost : {size_t(100), kSampleBytes / 2}) {
+    const std::string text = why(last.substr(0, last.size() - lost));
+    EXPECT_NE(text.find("cut short; copy it again"), std::string::npos) << lost << ": " << text;
+  }
   EXPECT_NE(why("FUJIFILMCCD-RAW 0201" + std::string(2000, 'x')).find("LibRaw"), std::string::npos);
 }
 
