@@ -11,6 +11,7 @@
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/intake/masks/mask_classes.h"
 #include "core/intake/photos/photo_files.h"
+#include "core/intake/photos/picture_content.h"
 
 namespace vitrine {
 
@@ -28,7 +29,8 @@ std::map<std::string, std::string> masks_beside_photos(const fs::path& folder) {
   std::map<std::string, std::string> masks;
   try {
     for (const BesidePhoto& file : find_photos(folder).beside)
-      if (file.role == PictureRole::Mask && !file.of.empty()) masks[file.source] = file.of;
+      if (!file.of.empty() && (file.role == PictureRole::Mask || (file.role == PictureRole::Cutout && varying_alpha(file.path))))
+        masks[file.source] = file.of;
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;  // the folder has no pictures
   }

@@ -24,7 +24,9 @@ std::string some(const std::vector<std::string>& names) {
 std::string count(size_t n, const char* one, const char* several) { return fmt::format("{} {}", n, n == 1 ? one : several); }
 
 std::string code_of(PictureRole role) {
-  constexpr const char* codes[] = {"MASKS_BESIDE_PHOTOS", "DEPTH_BESIDE_PHOTOS", "NORMALS_BESIDE_PHOTOS", "REDUCED_COPIES"};
+  constexpr const char* codes[] = {
+      "MASKS_BESIDE_PHOTOS",      "CUTOUTS_BESIDE_PHOTOS", "DEPTH_BESIDE_PHOTOS",  "NORMALS_BESIDE_PHOTOS",
+      "CONFIDENCE_BESIDE_PHOTOS", "LABELS_BESIDE_PHOTOS",  "PASSES_BESIDE_PHOTOS", "REDUCED_COPIES"};
   return codes[static_cast<size_t>(role)];
 }
 
@@ -32,8 +34,16 @@ std::string hint_of(PictureRole role, const std::string& folder) {
   switch (role) {
     case PictureRole::Mask:
       return fmt::format("they are left out of the photos; --masks {} uses them", folder);
+    case PictureRole::Cutout:
+      return fmt::format("they are left out of the photos; --masks {} uses their alpha channels as masks of the object", folder);
     case PictureRole::Depth:
       return "they are left out; depth maps are not used";
+    case PictureRole::Confidence:
+      return "they are left out; confidence maps are not used";
+    case PictureRole::Labels:
+      return "they are left out; --masks DIR uses masks of one class each, white where the photo shows it";
+    case PictureRole::Pass:
+      return "they are left out; passes of renderers are not used";
     case PictureRole::Normals:
       return "they are left out of the photos; --normals DIR uses maps in a folder of their own";
     case PictureRole::Copy:
@@ -52,17 +62,15 @@ std::vector<FolderNote> notes_of(const PhotoFolder& folder) {
                      count(unread, "file holds a photo or video in a form that is not read",
                            "files hold photos or video in a form that is not read"),
                      skipped_text(folder), "convert them to JPEG or 16-bit TIFF to use them"});
-  for (const PictureRole role : {PictureRole::Mask, PictureRole::Depth, PictureRole::Normals, PictureRole::Copy}) {
+  for (const PictureRole role : kPictureRoles) {
     std::vector<const BesidePhoto*> files;
     for (const BesidePhoto& file : folder.beside)
       if (file.role == role) files.push_back(&file);
     if (files.empty()) continue;
-    constexpr const char* one[] = {"file is a mask of another file", "file is a depth map of another file",
-                                   "file is a map of the normals of another file", "file is a reduced copy of another file"};
-    const std::string what = files.size() == 1 ? fmt::format("1 {}", one[static_cast<size_t>(role)])
+    const std::string what = files.size() == 1 ? fmt::format("1 file is {} of another file", singular(role))
                                                : fmt::format("{} files are {} of other files", files.size(), plural(role));
     notes.push_back(
-        {code_of(role), role == PictureRole::Mask, what,
+        {code_of(role), role == PictureRole::Mask || role == PictureRole::Cutout, what,
          some(files,
               [](const BesidePhoto* f) { return fmt::format("{} of {}", f->source, f->of.empty() ? "all photos" : f->of); }),
          hint_of(role, where)});

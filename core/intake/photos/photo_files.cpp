@@ -7,6 +7,7 @@
 #include "core/foundation/base/file.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/picture_file.h"
+#include "core/intake/photos/given_file.h"
 #include "core/intake/photos/photo_versions.h"
 #include "core/intake/photos/sorted_pictures.h"
 
@@ -22,9 +23,10 @@ bool contains(const char* const (&list)[N], const std::string& word) {
   return std::find(std::begin(list), std::end(list), word) != std::end(list);
 }
 
-[[noreturn]] void throw_unreadable(const fs::path& folder, const std::string& why) {
+[[noreturn]] void throw_unreadable(const fs::path& folder, const std::string& why,
+                                   const std::string& hint = "check the path and its permissions") {
   throw Error(ErrorKind::Input, "cannot read the folder of photos",
-              {.where = folder.string(), .why = why, .hint = "check the path and its permissions", .code = "PHOTOS_UNREADABLE"});
+              {.where = folder.string(), .why = why, .hint = hint, .code = "PHOTOS_UNREADABLE"});
 }
 
 // Replaces control characters and invalid UTF-8 by '_', for JSON and text lists.
@@ -59,7 +61,10 @@ std::string closed_text(const FolderFiles& listed) {
 PhotoFolder find_photos(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
-  if (!fs::is_directory(folder, error)) throw_unreadable(folder, "it is not a folder");
+  if (!fs::is_directory(folder, error)) {
+    const GivenFile file = refusal_of_file(folder);
+    throw_unreadable(folder, file.why, file.hint);
+  }
   PhotoFolder found;
   found.folder = folder;
   found.listed = files_below(folder, ReachedTwice::Once, error);

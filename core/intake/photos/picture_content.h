@@ -1,4 +1,4 @@
-// Classifies a picture by its pixels: mask, depth map or normal map. Confirms the role suggested by a file name; photographs
+// Classifies a picture by its pixels: mask, map or cut-out. Confirms the role suggested by a file name; photographs
 // never match, so that a photo called carnival_mask.jpg stays a photo. Files that cannot be decoded match nothing.
 #pragma once
 
@@ -16,19 +16,30 @@ struct MaskLook {
 };
 // Few grey levels, few painted colours, or such an alpha channel.
 bool looks_like_mask(const std::filesystem::path& path, const MaskLook& look = {});
-// One channel, or three equal ones, next to a photo that has colour (or fewer bits).
+// One channel, or three equal ones, next to a photo that has colour (or fewer bits); or painted by a colour map of few colours.
 bool looks_like_depth(const std::filesystem::path& path, const std::filesystem::path& photo);
-// Colours that are unit vectors, 2 c - 1, or achromatic.
+// Colours that are unit vectors, 2 c - 1 (or c, clipped at 0), or achromatic.
 bool looks_like_normals(const std::filesystem::path& path);
+// Few levels, as scanners write them (0, 1, 2), or a map like depth.
+bool looks_like_confidence(const std::filesystem::path& path, const std::filesystem::path& photo);
+// Areas of one value each: classes or instances, as numbers or as colours.
+bool looks_like_labels(const std::filesystem::path& path);
+// A pass of a renderer in a format without loss: grey next to a photo with colour, or of the photo's size and like it.
+bool looks_like_pass(const std::filesystem::path& path, const std::filesystem::path& photo);
+// Whether the file has an alpha channel that is not constant.
+bool varying_alpha(const std::filesystem::path& path);
+// The same picture as `photo`, without its background: transparent, or (`flat` is accepted) of one colour.
+bool looks_like_cutout(const std::filesystem::path& path, const std::filesystem::path& photo, bool flat);
 // Header data of a picture file.
 struct PictureHead {
   PhotoFormat format = PhotoFormat::Unknown;
   double width = 0, height = 0;  // upright
   int orientation = 1;
-  // PNG only: bits per sample, and whether it has one channel.
+  // PNG only: bits per sample, whether it has one channel, and whether it has an alpha channel.
   int bits = 0;
-  bool grey = false;
+  bool grey = false, alpha = false;
 };
+PictureHead picture_head(const std::filesystem::path& path);
 // Compares pictures across folders; caches file headers.
 class CopyFinder {
  public:

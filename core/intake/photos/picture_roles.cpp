@@ -13,36 +13,107 @@ struct Word {
   std::string_view text;
   PictureRole role;
 };
-// Longer words before their suffixes.
+// Of file names. Longer words before their suffixes.
 constexpr Word kWords[] = {
-    {"dynamic_mask", PictureRole::Mask}, {"segmentation", PictureRole::Mask}, {"silhouette", PictureRole::Mask},
-    {"masked", PictureRole::Mask},       {"masks", PictureRole::Mask},        {"mask", PictureRole::Mask},
-    {"matte", PictureRole::Mask},        {"alpha", PictureRole::Mask},        {"segm", PictureRole::Mask},
-    {"seg", PictureRole::Mask},          {"msk", PictureRole::Mask},          {"depthmap", PictureRole::Depth},
-    {"depth", PictureRole::Depth},       {"disparity", PictureRole::Depth},   {"disp", PictureRole::Depth},
-    {"normals", PictureRole::Normals},   {"normal", PictureRole::Normals},    {"thumbnail", PictureRole::Copy},
-    {"thumb", PictureRole::Copy},        {"preview", PictureRole::Copy},      {"lowres", PictureRole::Copy},
+    {"dynamic_mask", PictureRole::Mask},
+    {"segmentation", PictureRole::Mask},
+    {"silhouette", PictureRole::Mask},
+    {"masked", PictureRole::Mask},
+    {"masks", PictureRole::Mask},
+    {"mask", PictureRole::Mask},
+    {"matte", PictureRole::Mask},
+    {"alpha", PictureRole::Mask},
+    {"segm", PictureRole::Mask},
+    {"seg", PictureRole::Mask},
+    {"msk", PictureRole::Mask},
+    {"depthmaps", PictureRole::Depth},
+    {"depthmap", PictureRole::Depth},
+    {"depths", PictureRole::Depth},
+    {"depth", PictureRole::Depth},
+    {"disparity", PictureRole::Depth},
+    {"disp", PictureRole::Depth},
+    {"zdepth", PictureRole::Depth},
+    {"zbuffer", PictureRole::Depth},
+    {"mist", PictureRole::Depth},
+    {"z", PictureRole::Depth},
+    {"normalmap", PictureRole::Normals},
+    {"normals", PictureRole::Normals},
+    {"normal", PictureRole::Normals},
+    {"nrm", PictureRole::Normals},
+    {"confidences", PictureRole::Confidence},
+    {"confidence", PictureRole::Confidence},
+    {"conf", PictureRole::Confidence},
+    {"certainty", PictureRole::Confidence},
+    {"uncertainty", PictureRole::Confidence},
+    {"labels", PictureRole::Labels},
+    {"label", PictureRole::Labels},
+    {"labelmap", PictureRole::Labels},
+    {"semantics", PictureRole::Labels},
+    {"semantic", PictureRole::Labels},
+    {"instances", PictureRole::Labels},
+    {"instance", PictureRole::Labels},
+    {"panoptic", PictureRole::Labels},
+    {"indexob", PictureRole::Labels},
+    {"indexma", PictureRole::Labels},
+    {"cryptomatte", PictureRole::Labels},
+    {"albedo", PictureRole::Pass},
+    {"diffuse", PictureRole::Pass},
+    {"roughness", PictureRole::Pass},
+    {"metallic", PictureRole::Pass},
+    {"occlusion", PictureRole::Pass},
+    {"ao", PictureRole::Pass},
+    {"emission", PictureRole::Pass},
+    {"shading", PictureRole::Pass},
+    {"removebg", PictureRole::Cutout},
+    {"rembg", PictureRole::Cutout},
+    {"rmbg", PictureRole::Cutout},
+    {"nobg", PictureRole::Cutout},
+    {"nobackground", PictureRole::Cutout},
+    {"bgremoved", PictureRole::Cutout},
+    {"cutouts", PictureRole::Cutout},
+    {"cutout", PictureRole::Cutout},
+    {"thumbnail", PictureRole::Copy},
+    {"thumb", PictureRole::Copy},
+    {"preview", PictureRole::Copy},
+    {"lowres", PictureRole::Copy},
     {"small", PictureRole::Copy},
 };
+// Of folders only.
 constexpr Word kFolders[] = {
-    {"mask", PictureRole::Mask},          {"masks", PictureRole::Mask},
-    {"dynamic_mask", PictureRole::Mask},  {"dynamic_masks", PictureRole::Mask},
-    {"segmentation", PictureRole::Mask},  {"segmentations", PictureRole::Mask},
-    {"segmented", PictureRole::Mask},     {"segmentation_masks", PictureRole::Mask},
-    {"seg", PictureRole::Mask},           {"silhouette", PictureRole::Mask},
-    {"silhouettes", PictureRole::Mask},   {"alpha", PictureRole::Mask},
-    {"alphas", PictureRole::Mask},        {"matte", PictureRole::Mask},
-    {"mattes", PictureRole::Mask},        {"matting", PictureRole::Mask},
-    {"image_masks", PictureRole::Mask},   {"images_masks", PictureRole::Mask},
-    {"object_mask", PictureRole::Mask},   {"object_masks", PictureRole::Mask},
-    {"depth", PictureRole::Depth},        {"depths", PictureRole::Depth},
-    {"depth_map", PictureRole::Depth},    {"depth_maps", PictureRole::Depth},
-    {"depthmaps", PictureRole::Depth},    {"depthmap", PictureRole::Depth},
-    {"disparity", PictureRole::Depth},    {"disparities", PictureRole::Depth},
-    {"mono_depth", PictureRole::Depth},   {"normal", PictureRole::Normals},
-    {"normals", PictureRole::Normals},    {"normal_maps", PictureRole::Normals},
-    {"normal_map", PictureRole::Normals}, {"mono_normal", PictureRole::Normals},
+    {"dynamic_masks", PictureRole::Mask},
+    {"segmentations", PictureRole::Mask},
+    {"segmented", PictureRole::Mask},
+    {"segmentation_masks", PictureRole::Mask},
+    {"silhouettes", PictureRole::Mask},
+    {"alphas", PictureRole::Mask},
+    {"mattes", PictureRole::Mask},
+    {"matting", PictureRole::Mask},
+    {"image_masks", PictureRole::Mask},
+    {"images_masks", PictureRole::Mask},
+    {"object_mask", PictureRole::Mask},
+    {"object_masks", PictureRole::Mask},
+    {"depth_map", PictureRole::Depth},
+    {"depth_maps", PictureRole::Depth},
+    {"disparities", PictureRole::Depth},
+    {"mono_depth", PictureRole::Depth},
+    {"normal_maps", PictureRole::Normals},
+    {"normal_map", PictureRole::Normals},
+    {"mono_normal", PictureRole::Normals},
+    {"confidence_maps", PictureRole::Confidence},
+    {"confidence_map", PictureRole::Confidence},
+    {"label_maps", PictureRole::Labels},
+    {"semantic_class", PictureRole::Labels},
+    {"semantic_instance", PictureRole::Labels},
+    {"instance_masks", PictureRole::Labels},
+    {"no_bg", PictureRole::Cutout},
+    {"no_background", PictureRole::Cutout},
+    {"bg_removed", PictureRole::Cutout},
+    {"background_removed", PictureRole::Cutout},
+    {"cut_outs", PictureRole::Cutout},
 };
+// Words of kWords that name no folder: a place or a model may be called so.
+constexpr std::string_view kNoFolders[] = {"z",     "ao",    "mist",    "conf",  "masked",  "msk",    "segm",     "disp",
+                                           "thumb", "small", "preview", "label", "diffuse", "lowres", "thumbnail"};
 
 constexpr std::string_view kPhotoWords[] = {"rgb", "rgba",  "color", "colour",   "image",
                                             "img", "photo", "frame", "original", "raw"};
@@ -51,12 +122,50 @@ constexpr std::string_view kPhotoWords[] = {"rgb", "rgba",  "color", "colour",  
 constexpr std::string_view kClassFolders[] = {"object", "transparent", "specular", "ignore", "foreground", "background",
                                               "fg",     "bg",          "glass",    "mirror", "mirrors",    "dynamic"};
 
+// Words of names of pictures that tell nothing about them.
+constexpr std::string_view kFillers[] = {"map",    "maps", "images", "frames", "photos", "render",
+                                         "meters", "mm",   "vis",    "pic",    "picture"};
+
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Words that may join without a separator: "mask0001", "IMG_7mask".
+// Words that may join without a separator: "mask0001", "IMG_7mask", "Normal0001".
 bool joins(const Word& word, char neighbour) {
-  return is_separator(neighbour) || word.text == "mask" || word.text == "masks" || word.text == "depth";
+  return is_separator(neighbour) || is_digit(neighbour) || word.text == "mask" || word.text == "masks" || word.text == "depth";
+}
+
+template <size_t N>
+bool listed(const std::string_view (&list)[N], std::string_view word) {
+  return std::find(std::begin(list), std::end(list), word) != std::end(list);
+}
+
+std::optional<PictureRole> role_of_word(std::string_view word) {
+  for (const Word& w : kWords)
+    if (w.text == word) return w.role;
+  return std::nullopt;
+}
+
+// "frame_007Depth" -> "frame", "7", "depth"
+std::vector<std::string> words_of(std::string_view stem) {
+  std::vector<std::string> words;
+  for (size_t i = 0; i < stem.size();) {
+    size_t end = i + 1;
+    if (is_digit(stem[i])) {
+      while (end < stem.size() && is_digit(stem[end])) ++end;
+      size_t first = i;
+      while (first + 1 < end && stem[first] == '0') ++first;
+      words.emplace_back(stem.substr(first, end - first));
+    } else if (!is_separator(stem[i])) {
+      const auto continues = [&](char before, char c) {
+        const bool capital = std::isupper(static_cast<unsigned char>(c)) && std::islower(static_cast<unsigned char>(before));
+        return !is_digit(c) && !is_separator(c) && !capital;
+      };
+      while (end < stem.size() && continues(stem[end - 1], stem[end])) ++end;
+      words.push_back(lowered(std::string(stem.substr(i, end - i))));
+    }
+    i = end;
+  }
+  return words;
 }
 
 std::string_view without_separators(std::string_view text) {
@@ -68,7 +177,14 @@ std::string_view without_separators(std::string_view text) {
 }  // namespace
 
 std::string_view plural(PictureRole role) {
-  constexpr std::string_view names[] = {"masks", "depth maps", "maps of normals", "reduced copies"};
+  constexpr std::string_view names[] = {"masks",           "cut-outs",       "depth maps",    "maps of normals",
+                                        "confidence maps", "maps of labels", "render passes", "reduced copies"};
+  return names[static_cast<size_t>(role)];
+}
+
+std::string_view singular(PictureRole role) {
+  constexpr std::string_view names[] = {"a mask",           "a cut-out",       "a depth map",   "a map of the normals",
+                                        "a confidence map", "a map of labels", "a render pass", "a reduced copy"};
   return names[static_cast<size_t>(role)];
 }
 
@@ -104,6 +220,23 @@ std::vector<NamedRole> roles_of_stem(const std::string& stem) {
   return roles;
 }
 
+StemKey key_of_stem(std::string_view stem) {
+  StemKey key;
+  const std::vector<std::string> words = words_of(stem);
+  for (size_t i = 0; i < words.size(); ++i) {
+    // "no_bg", "Index OB": two words that are one in the table.
+    const auto both = i + 1 < words.size() ? role_of_word(words[i] + words[i + 1]) : std::nullopt;
+    if (const auto role = both ? both : role_of_word(words[i])) {
+      if (!key.role || (*key.role == PictureRole::Copy)) key.role = role;
+      i += both.has_value();
+    } else if (!listed(kPhotoWords, words[i]) && !listed(kFillers, words[i])) {
+      key.rest += (key.rest.empty() ? "" : " ") + words[i];
+      if (is_digit(words[i][0])) key.number = words[i];
+    }
+  }
+  return key;
+}
+
 std::vector<std::string> photo_stems_of(std::string_view of) {
   const std::string low = lowered(of);
   std::vector<std::string> stems{low};
@@ -117,15 +250,18 @@ std::vector<std::string> photo_stems_of(std::string_view of) {
 
 std::optional<PictureRole> role_of_folder(std::string_view name) {
   const std::string low = lowered(name);
-  for (const std::string_view text : {std::string_view(low), without_number(low)})
+  for (const std::string_view text : {std::string_view(low), without_number(low)}) {
     for (const Word& word : kFolders)
       if (text == word.text) return word.role;
+    if (listed(kNoFolders, text)) continue;
+    if (const auto role = role_of_word(text)) return role;
+  }
   return std::nullopt;
 }
 
 bool is_class_folder(std::string_view name) {
   const std::string low = lowered(name);
-  return std::find(std::begin(kClassFolders), std::end(kClassFolders), low) != std::end(kClassFolders);
+  return listed(kClassFolders, low);
 }
 
 bool has_photo_extension(const std::string& name) {

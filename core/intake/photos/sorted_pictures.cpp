@@ -17,16 +17,6 @@ namespace {
 
 using Parts = std::vector<std::string>;
 
-constexpr size_t kSamples = 5;  // pictures compared to detect a folder of copies
-
-template <class T>
-std::vector<T> spread_samples(const std::vector<T>& all) {
-  std::vector<T> samples;
-  const size_t n = std::min(kSamples, all.size());
-  for (size_t k = 0; k < n; ++k) samples.push_back(all[k * all.size() / n]);
-  return samples;
-}
-
 // Path of a picture in lower case, split into the parts used for matching.
 struct Picture {
   Parts folders;
@@ -35,6 +25,7 @@ struct Picture {
   std::optional<PictureRole> folder_role;
   bool role_is_class = false;
   std::string stem_as_written;
+  StemKey key;
 };
 
 Picture picture_of(const std::string& source) {
@@ -45,7 +36,8 @@ Picture picture_of(const std::string& source) {
             .role_at = SIZE_MAX,
             .folder_role = std::nullopt,
             .role_is_class = false,
-            .stem_as_written = path.stem().string()};
+            .stem_as_written = path.stem().string(),
+            .key = key_of_stem(path.stem().string())};
   for (const fs::path& part : path.parent_path()) p.folders.push_back(lowered(part.string()));
   const auto take = [&](size_t at, PictureRole role, bool is_class) {
     if (p.folder_role) return;
@@ -63,8 +55,10 @@ Picture picture_of(const std::string& source) {
 struct Candidate {
   PictureRole role;
   size_t of;
-  bool twin = false;    // only the extension differs: "b.png" next to "b.jpg"
-  bool of_all = false;  // for all photos in the folder
+  bool twin = false;     // only the extension differs: "b.png" next to "b.jpg"
+  bool of_all = false;   // for all photos in the folder
+  bool by_key = false;   // found by numbers and words alone: a photo may be called so
+  bool version = false;  // no word names its role
 };
 
 class Partners {
@@ -74,6 +68,9 @@ class Partners {
     for (size_t i = 0; i < pictures_.size(); ++i) {
       by_name_[pictures_[i].file].push_back(i);
       by_name_[pictures_[i].stem].push_back(i);
+      if (!is_plain(i)) continue;
+      by_rest_[pictures_[i].key.rest].push_back(i);
+      if (!pictures_[i].key.number.empty()) by_number_[pictures_[i].key.number].push_back(i);
     }
   }
 
@@ -97,10 +94,46 @@ class Partners {
     } else if (const auto of = same_folder(i, p.stem)) {
       return Candidate{PictureRole::Mask, *of, true, false};
     }
+    return by_key(i);
+  }
+
+  // The photo whose stem this one begins with: "b-removebg-preview.png", "b copy.png". Only a cut-out may belong to it so.
+  std::optional<Candidate> version_of(size_t i) const {
+    const std::string& stem = pictures_[i].stem;
+    for (size_t size = stem.size() - 1; size > 0; --size) {
+      if (std::isalnum(static_cast<unsigned char>(stem[size]))) continue;
+      if (const auto of = same_folder(i, stem.substr(0, size)))
+        return Candidate{PictureRole::Cutout, *of, false, false, true, true};
+    }
     return std::nullopt;
   }
 
  private:
+  // Neither its name nor its folder names a role.
+  bool is_plain(size_t i) const { return !pictures_[i].key.role && (!pictures_[i].folder_role || pictures_[i].role_is_class); }
+
+  std::optional<Candidate> by_key(size_t i) const {
+    const Picture& p = pictures_[i];
+    const bool in_folder = p.folder_role && !p.role_is_class;
+    const std::optional<PictureRole> role = in_folder ? p.folder_role : p.key.role;
+    if (!role || *role == PictureRole::Copy) return std::nullopt;
+    const auto nearest = [&](const auto& index, const std::string& key) {
+      const auto found = index.find(key);
+      if (key.empty() || found == index.end()) return std::optional<size_t>();
+      for (size_t k : found->second)
+        if (pictures_[k].folders == p.folders) return std::optional(k);
+      return std::optional(found->second[0]);
+    };
+    auto of = nearest(by_rest_, p.key.rest);
+    if (!of) of = nearest(by_number_, p.key.number);
+    if (of) return Candidate{*role, *of, false, false, true};
+    // Cameras for depth have a clock of their own: depth/1305031102.160.png next to rgb/1305031102.175.png.
+    if (!in_folder || *role == PictureRole::Mask || *role == PictureRole::Cutout) return std::nullopt;
+    for (size_t k = 0; k < pictures_.size(); ++k)
+      if (is_plain(k)) return Candidate{*role, k, false, true, true};
+    return std::nullopt;
+  }
+
   const std::vector<size_t>& called(const std::string& name) const {
     static const std::vector<size_t> none;
     const auto found = by_name_.find(name);
@@ -146,7 +179,7 @@ class Partners {
   }
 
   std::vector<Picture> pictures_;
-  std::map<std::string, std::vector<size_t>> by_name_;
+  std::map<std::string, std::vector<size_t>> by_name_, by_rest_, by_number_;  // the latter two: of plain pictures
 };
 
 bool content_agrees(const Candidate& c, const fs::path& path, const fs::path& of) {
@@ -157,18 +190,18 @@ bool content_agrees(const Candidate& c, const fs::path& path, const fs::path& of
       return looks_like_depth(path, of);
     case PictureRole::Normals:
       return looks_like_normals(path);
+    case PictureRole::Confidence:
+      return looks_like_confidence(path, of);
+    case PictureRole::Labels:
+      return looks_like_labels(path);
+    case PictureRole::Pass:
+      return looks_like_pass(path, of);
+    case PictureRole::Cutout:
+      return looks_like_cutout(path, of, !c.version);
     case PictureRole::Copy:
       return CopyFinder().looks_like_copy(path, of, true);
   }
   return false;
-}
-
-// Removes the photos with `out` set.
-void drop(std::vector<PhotoFile>& photos, const std::vector<uint8_t>& out) {
-  std::vector<PhotoFile> kept;
-  for (size_t i = 0; i < photos.size(); ++i)
-    if (!out[i]) kept.push_back(std::move(photos[i]));
-  photos = std::move(kept);
 }
 
 // masks_2/b.png next to masks/b.png is a reduced copy of the mask.
@@ -191,7 +224,11 @@ void sort_by_role(PhotoFolder& folder) {
   const Partners partners(folder.photos);
   const size_t n = folder.photos.size();
   std::vector<std::optional<Candidate>> candidates(n);
-  for (size_t i = 0; i < n; ++i) candidates[i] = partners.candidate(i);
+  parallel_for(n, 16, [&](size_t i) {
+    candidates[i] = partners.candidate(i);
+    if (candidates[i]) return;
+    if (const auto of = partners.version_of(i); of && picture_head(folder.photos[i].path).alpha) candidates[i] = of;
+  });
   std::vector<uint8_t> agrees(n, 0);
   const auto judge = [&](const std::vector<size_t>& pictures) {
     parallel_for(pictures.size(), 1, [&](size_t k) {
@@ -245,78 +282,12 @@ void sort_by_role(PhotoFolder& folder) {
     if (agrees[i])
       folder.beside.push_back({folder.photos[i].path, folder.photos[i].source, candidates[i]->role,
                                candidates[i]->of_all ? std::string() : folder.photos[candidates[i]->of].source});
-    else if (!candidates[i]->twin && !candidates[i]->of_all && !partners[i].role_is_class &&
+    else if (!candidates[i]->twin && !candidates[i]->of_all && !candidates[i]->by_key && !partners[i].role_is_class &&
              candidates[i]->role != PictureRole::Copy)
       folder.like_photos.push_back(folder.photos[i].source);
   }
-  drop(folder.photos, agrees);
+  drop_photos(folder.photos, agrees);
   reduced_masks(folder.beside);
-}
-
-// --- second sets of the same photos ----------------------------------------------------------------------------------------
-
-// Whether the folder name suggests another version: undistorted photos, or their originals.
-bool is_other_version(const std::string& folder) {
-  for (const fs::path& part : fs::path(folder)) {
-    const std::string low = lowered(part.string());
-    if (low == "input" || low == "dense" || low == "distorted" || low.find("undist") != std::string::npos) return true;
-  }
-  return false;
-}
-
-// Lower-case stems of the photos in one folder. For duplicates, the first photo.
-using Stems = std::map<std::string, size_t>;
-
-std::vector<std::string> common_stems(const Stems& a, const Stems& b) {
-  std::vector<std::string> common;
-  for (const auto& entry : a)
-    if (b.contains(entry.first)) common.push_back(entry.first);
-  return common;
-}
-
-void leave_out_second_sets(PhotoFolder& folder) {
-  std::map<std::string, Stems> folders;
-  for (size_t i = 0; i < folder.photos.size(); ++i) {
-    const fs::path source(folder.photos[i].source);
-    folders[source.parent_path().generic_string()].try_emplace(lowered(source.stem().string()), i);
-  }
-  if (folders.size() < 2) return;
-  std::vector<uint8_t> out(folder.photos.size(), 0);
-  const auto path = [&](size_t i) { return folder.photos[i].path; };
-  CopyFinder finder;
-  // Whether sampled common photos of `small` are reduced copies (`shrunk`) or other versions of those of `large`.
-  const auto is_version = [&](const std::vector<std::string>& common, const Stems& small, const Stems& large, bool shrunk) {
-    const std::vector<std::string> samples = spread_samples(common);
-    return std::all_of(samples.begin(), samples.end(), [&](const std::string& stem) {
-      return finder.looks_like_copy(path(small.at(stem)), path(large.at(stem)), shrunk);
-    });
-  };
-  for (const auto& [small_name, small] : folders)
-    for (const auto& [large_name, large] : folders) {
-      if (small_name == large_name) continue;
-      const std::vector<std::string> common = common_stems(small, large);
-      // Only whole folders: one or two photos of the same name are not enough.
-      if (common.size() < 2 || 2 * common.size() < small.size()) continue;
-      if (out[small.at(common[0])] || out[large.at(common[0])]) continue;
-      const bool shrunk = is_version(common, small, large, true);
-      const bool other =
-          !shrunk && is_other_version(small_name) && !is_other_version(large_name) && is_version(common, small, large, false);
-      if (!shrunk && !other) continue;
-      for (const std::string& stem : common) {
-        const size_t i = small.at(stem);
-        out[i] = 1;
-        if (shrunk)
-          folder.beside.push_back({path(i), folder.photos[i].source, PictureRole::Copy, folder.photos[large.at(stem)].source});
-      }
-      if (other) folder.second_sets.push_back({.used = large_name, .left_out = small_name, .photos = common.size()});
-    }
-  // The source of a copy may itself be a copy or left out: follow the chain.
-  std::map<std::string, std::string> full;
-  for (const BesidePhoto& b : folder.beside)
-    if (b.role == PictureRole::Copy) full[b.source] = b.of;
-  for (BesidePhoto& b : folder.beside)
-    for (auto next = full.find(b.of); next != full.end(); next = full.find(b.of)) b.of = next->second;
-  drop(folder.photos, out);
 }
 
 }  // namespace
