@@ -44,6 +44,7 @@ Developed develop(const fs::path& path, int max_side, const RawBalance& balance)
   }
   photo.exposure_ev = exposure_ev(exif);
   photo.flash = exif.flash;
+  photo.cut_out = d.color.alpha;
   photo.camera = exif.camera;
   photo.time = exif.time;
   photo.color_profile = d.color.profile;

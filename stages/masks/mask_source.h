@@ -23,6 +23,7 @@ struct MaskCapture {
   std::vector<Undistortion> undistortions;       // [view] from the original photo to the undistorted one
   std::vector<std::string> without_camera = {};  // photos without a pose
   bool camera_flash = false;                     // the light moves with the camera (PhotoLenses)
+  bool cut_out = false;                          // the photos may have no background (PhotoLenses)
 };
 // An sfm artifact without its report counts as free of distortion.
 MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder);

@@ -121,6 +121,7 @@ MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder) {
   capture.undistortions = std::move(lenses.undistortions);
   capture.without_camera = std::move(lenses.without_camera);
   capture.camera_flash = lenses.camera_flash;
+  capture.cut_out = lenses.cut_out;
   return capture;
 }
 
@@ -263,7 +264,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 17,
+      .version = 18,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                  {.name = "masks",

@@ -230,6 +230,7 @@ void write_lenses(const fs::path& path, const std::vector<Undistortion>& undisto
   for (const PhotoReport& p : r.photos)
     if (!p.registered) j["without_camera"].push_back(p.name);
   if (2 * std::ranges::count_if(photos, &Photo::flash) > std::ptrdiff_t(photos.size())) j["camera_flash"] = true;
+  if (2 * std::ranges::count_if(photos, &Photo::cut_out) > std::ptrdiff_t(photos.size())) j["cut_out"] = true;
   write_json_file(path, j);
 }
 

@@ -334,7 +334,7 @@ void run(const SfmConfig& config, StageContext& context) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 10,
+                 .version = 11,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

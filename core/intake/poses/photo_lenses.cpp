@@ -16,7 +16,7 @@ namespace {
 struct LensFile {
   std::map<uint32_t, ColmapCamera> photographed;  // original lenses, by camera id
   std::vector<std::string> without_camera;
-  bool camera_flash = false;
+  bool camera_flash = false, cut_out = false;
 };
 
 LensFile read_lenses(const fs::path& file) {
@@ -36,6 +36,7 @@ LensFile read_lenses(const fs::path& file) {
     }
     out.without_camera = j.value("without_camera", std::vector<std::string>());
     out.camera_flash = j.value("camera_flash", false);
+    out.cut_out = j.value("cut_out", false);
   });
   return out;
 }
@@ -50,6 +51,7 @@ PhotoLenses read_photo_lenses(const fs::path& sfm_folder, const ViewSet& set) {
   LensFile file = read_lenses(sfm_folder / "sfm/lenses.json");
   lenses.without_camera = std::move(file.without_camera);
   lenses.camera_flash = file.camera_flash;
+  lenses.cut_out = file.cut_out;
   for (const View& view : set.views) {
     const auto image =
         std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });

@@ -44,6 +44,7 @@ struct PhotoLenses {
   std::vector<Undistortion> undistortions;  // [view] from the ingested original photo to the undistorted one
   std::vector<std::string> without_camera;  // photos without a pose
   bool camera_flash = false;                // the flash of the camera fired in most photos (EXIF)
+  bool cut_out = false;                     // most photos have an alpha channel: outside it they may show nothing
 };
 // `set`: the views of the folder. Without a report an sfm artifact is assumed free of distortion. Throws Error{Input}.
 PhotoLenses read_photo_lenses(const std::filesystem::path& sfm_folder, const ViewSet& set);

@@ -1,5 +1,6 @@
 #include "stages/masks/proposed/proposed_source.h"
 #include "stages/masks/mask_source.h"
+#include "stages/masks/proposed/blank_pixels.h"
 
 #include <algorithm>
 
@@ -18,6 +19,15 @@ constexpr double kStereoShare = 0.3, kExplainedShare = 0.5;  // progress after s
 constexpr float kFound = 0.9f, kDoubted = 0.4f;              // confidence; doubted: a photo and the hull disagree
 constexpr size_t kFewestPhotos = 8;                          // minimum for a vote
 constexpr double kLeastPosts = 24;  // minimum total edge score of the upright edges of a case above their surroundings
+
+// Where a photo shows nothing, nothing is seen through and nothing is left to explain.
+void leave_out_blank(const std::vector<uint8_t>& blank, DepthMap& map, Explanation& explained) {
+  for (size_t i = 0; i < blank.size(); ++i) {
+    if (!blank[i]) continue;
+    if (i < map.trusted.size()) map.trusted[i] = 0;
+    if (i < explained.error.size()) explained.error[i] = explained.around[i] = 0;
+  }
+}
 
 }  // namespace
 
@@ -51,13 +61,20 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Mask
     if (interrupt_signal() == 0) explained[v] = explanation(scene, v);
   });
   throw_if_interrupted();
+  std::vector<DepthMap> maps(scene.maps.begin(), scene.maps.end());
+  if (capture.cut_out)
+    for (const SmallPhoto& photo : photos) {
+      const size_t v = proposal->blank.size();
+      proposal->blank.push_back(blank_pixels(photo));
+      leave_out_blank(proposal->blank[v], maps[v], explained[v]);
+    }
   progress(kExplainedShare);
   if (config.display_case.look)
     proposal->cases = display_cases(
-        standing_boxes(edge_photos(capture, kEdgeSide), about_standing_boxes(capture.set), kLeastPosts), views, scene.maps);
+        standing_boxes(edge_photos(capture, kEdgeSide), about_standing_boxes(capture.set), kLeastPosts), views, maps);
   for (const DisplayCase& glass : proposal->cases)
     parallel_for(views.size(), 1, [&](size_t v) {
-      const std::vector<uint8_t> seen = case_mask(glass, views[v], scene.maps[v]);
+      const std::vector<uint8_t> seen = case_mask(glass, views[v], maps[v]);
       for (size_t i = 0; i < seen.size(); ++i) proposal->in_case[v][i] |= seen[i];
     });
   if (capture.camera_flash) {
@@ -94,6 +111,9 @@ std::optional<SoftMask> ProposedSource::at(size_t view) const {
       if (proposal_->doubted[view][i]) soft.confidence.data()[i] = kDoubted;
     }
   blur_planes(mask, k.width, k.height, kHullEdge);
+  if (!proposal_->blank.empty())
+    for (size_t i = 0; i < mask.size(); ++i)
+      if (proposal_->blank[view][i]) mask[i] = 0;
   std::ranges::copy(mask, soft.value.data().begin());
   return soft;
 }

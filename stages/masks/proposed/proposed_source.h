@@ -64,7 +64,8 @@ struct Proposal {
   std::vector<DisplayCase> cases;
   std::vector<FoundMirror> mirrors;
   std::vector<std::vector<uint8_t>> in_case, mirrored, doubted;  // [view][h,w]
-  bool unsure = false;                                           // too few photos, or too little stereo
+  std::vector<std::vector<uint8_t>> blank;  // [view][h,w] of photos without background (blank_pixels.h); empty: none
+  bool unsure = false;                      // too few photos, or too little stereo
 };
 std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
                                         const std::function<void(double)>& progress);

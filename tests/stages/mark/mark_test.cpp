@@ -217,10 +217,11 @@ TEST_F(MarkStage, MasksAreBentAsTheLensBends) {
   write_scene_info(sfm / "scene.json", {});
   write_file(sfm / "sfm/lenses.json", R"({"cameras": [{"photographed":
       {"id": 1, "model": "SIMPLE_RADIAL", "width": 80, "height": 60, "params": [70, 40, 30, -0.15]}}],
-      "without_camera": ["lost.png"], "camera_flash": true})");
+      "without_camera": ["lost.png"], "camera_flash": true, "cut_out": true})");
   const PhotoLenses lenses = read_photo_lenses(sfm, load_view_set(sfm));
   EXPECT_EQ(lenses.without_camera, std::vector<std::string>{"lost.png"});
   EXPECT_TRUE(lenses.camera_flash);
+  EXPECT_TRUE(lenses.cut_out);
   // A strip along the right border of the undistorted photo.
   const int w = u.target.width, h = u.target.height;
   Image8 mask(w, h, 1, 0);

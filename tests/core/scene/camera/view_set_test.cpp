@@ -253,6 +253,7 @@ TEST(PhotoList, RoundTripsIncludingWhatIsUnknown) {
                                 "sRGB",
                                 "assumed sRGB"}};
   photos[0].flash = true;
+  photos[1].cut_out = true;
   write_photo_list(folder.path(), photos);
   EXPECT_EQ(read_photo_list(folder.path()), photos);
   write_file(folder.path() / "ingest" / "photos.json", R"({"photos": [{"name": "a.jpg"}]})");
