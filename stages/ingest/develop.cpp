@@ -42,6 +42,7 @@ Developed develop(const fs::path& path, int max_side, const RawBalance& balance)
     photo.focal_px = focal->px;
     photo.focal_source = focal->source;
   }
+  photo.zoom = zoom_of(exif);
   photo.exposure_ev = exposure_ev(exif);
   photo.flash = exif.flash;
   photo.cut_out = d.color.alpha;

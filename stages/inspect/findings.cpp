@@ -141,29 +141,39 @@ class Judge {
            "do not crop; use one setting of the camera",
            {}});
     }
-    // Focal lengths per camera, relative to the picture size.
-    std::map<std::string, std::pair<double, double>> focal;
-    size_t known = 0;
-    for (size_t i : usable_) {
-      const PhotoFacts& p = photos_[i];
-      if (!p.focal_px) continue;
-      ++known;
-      const double f = *p.focal_px / p.longest();
-      auto& range = focal.try_emplace(p.camera, f, f).first->second;
-      range = {std::min(range.first, f), std::max(range.second, f)};
-    }
-    for (const auto& [model, range] : focal)
-      if (range.second > kFocalStep * range.first)
-        add({"mixed_focal",
-             Severity::Warning,
-             fmt::format("the focal length changes{}", model.empty() ? "" : " (" + model + ")"),
-             fmt::format("{:.2f} to {:.2f} times the longest side: a zoom was used", range.first, range.second),
-             "leave the zoom where it is; walk instead",
-             {}});
+    const size_t known = size_t(std::ranges::count_if(usable_, [&](size_t i) { return photos_[i].focal_px.has_value(); }));
+    zoom();
     if (known > 0 && known < usable_.size())
       add({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
            "their EXIF data was removed or is incomplete", "use the photos as the camera wrote them",
            those([](const PhotoFacts& p) { return !p.focal_px; })});
+  }
+
+  // Focal lengths of each camera: relative to the picture size, else in millimetres.
+  void zoom() {
+    using Range = std::optional<std::pair<double, double>>;
+    std::map<std::string, std::pair<Range, Range>> cameras;
+    const auto widen = [](Range& range, double f) {
+      range = range ? std::pair(std::min(range->first, f), std::max(range->second, f)) : std::pair(f, f);
+    };
+    for (size_t i : usable_) {
+      auto& [by_size, in_mm] = cameras[photos_[i].camera];
+      if (photos_[i].focal_px) widen(by_size, *photos_[i].focal_px / photos_[i].longest());
+      if (photos_[i].zoom) widen(in_mm, *photos_[i].zoom);
+    }
+    const auto changes = [](const Range& range) { return range && range->second > kFocalStep * range->first; };
+    for (const auto& [model, ranges] : cameras) {
+      const auto& [by_size, in_mm] = ranges;
+      if (!changes(by_size) && !changes(in_mm)) continue;
+      add({"mixed_focal",
+           Severity::Warning,
+           fmt::format("the focal length changes{}", model.empty() ? "" : " (" + model + ")"),
+           changes(by_size)
+               ? fmt::format("{:.2f} to {:.2f} times the longest side: a zoom was used", by_size->first, by_size->second)
+               : fmt::format("{:.4g} to {:.4g} mm with digital zoom: a zoom was used", in_mm->first, in_mm->second),
+           "leave the zoom where it is; walk instead",
+           {}});
+    }
   }
 
   void colors() {

@@ -27,6 +27,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
       if (head.exif.orientation >= 5) std::swap(f.width, f.height);
     }
     if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
+    f.zoom = zoom_of(head.exif);
     f.exposure_ev = exposure_ev(head.exif);
     f.camera = head.exif.camera;
     f.time = head.exif.time;

@@ -13,6 +13,7 @@ struct PhotoFacts {
   std::string failure;             // reason why it cannot be used; all other members are empty then
   int width = 0, height = 0;       // upright, as photographed
   std::optional<double> focal_px;  // at this size
+  std::optional<double> zoom;      // FocalLength in millimetres times digital zoom
   std::optional<double> exposure_ev;
   std::string camera, time, digest;
   ColorFacts color;

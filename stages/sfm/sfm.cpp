@@ -23,6 +23,7 @@
 #include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
+#include "stages/sfm/zoom_groups.h"
 
 namespace vitrine {
 
@@ -42,6 +43,7 @@ std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo
                    .height = p.height,
                    .focal_px = p.focal_px,
                    .camera = p.camera});
+  part_by_zoom(out, photos);
   return out;
 }
 

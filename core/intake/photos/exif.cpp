@@ -71,6 +71,15 @@ std::optional<double> millimetres_per_unit(double unit) {  // FocalPlaneResoluti
   }
 }
 
+// 65535 in the old field of 16 bits means "more than this": the value is in the fields of EXIF 2.3, if anywhere.
+std::optional<double> sensitivity(ExifData* data) {
+  constexpr double kMoreThan = 65535;
+  for (const ExifTag tag : {EXIF_TAG_ISO_SPEED_RATINGS, EXIF_TAG_RECOMMENDED_EXPOSURE_INDEX, EXIF_TAG_STANDARD_OUTPUT_SENSITIVITY,
+                            EXIF_TAG_ISO_SPEED})
+    if (const auto iso = positive(data, EXIF_IFD_EXIF, tag); iso && *iso != kMoreThan) return iso;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Exif parse_exif(std::string_view block) {
@@ -86,6 +95,7 @@ Exif parse_exif(std::string_view block) {
   if (orientation <= 8) exif.orientation = static_cast<int>(orientation);
   exif.focal_35mm = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM);
   exif.focal_mm = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH);
+  exif.digital_zoom = std::max(positive(d, EXIF_IFD_EXIF, EXIF_TAG_DIGITAL_ZOOM_RATIO).value_or(1), 1.0);
   const auto resolution = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION);
   const auto unit_mm = millimetres_per_unit(positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT).value_or(2));
   if (resolution && unit_mm) exif.pixels_per_mm = *resolution / *unit_mm;
@@ -93,7 +103,7 @@ Exif parse_exif(std::string_view block) {
   exif.pixel_y = positive(d, EXIF_IFD_EXIF, EXIF_TAG_PIXEL_Y_DIMENSION).value_or(0);
   exif.exposure_s = positive(d, EXIF_IFD_EXIF, EXIF_TAG_EXPOSURE_TIME);
   exif.f_number = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FNUMBER);
-  exif.iso = positive(d, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
+  exif.iso = sensitivity(d);
   exif.flash = (static_cast<int>(positive(d, EXIF_IFD_EXIF, EXIF_TAG_FLASH).value_or(0)) & 1) != 0;
   exif.camera = camera_name(text(d, EXIF_IFD_0, EXIF_TAG_MAKE), text(d, EXIF_IFD_0, EXIF_TAG_MODEL));
   exif.time = text(d, EXIF_IFD_EXIF, EXIF_TAG_DATE_TIME_ORIGINAL);
@@ -125,6 +135,11 @@ std::optional<Focal> focal_of(const Exif& exif, int width, int height) {
     if (sensor_mm > 2 && sensor_mm < 130 && plausible(px)) return Focal{px, "exif FocalLength and FocalPlaneXResolution"};
   }
   return std::nullopt;
+}
+
+std::optional<double> zoom_of(const Exif& exif) {
+  if (!exif.focal_mm && exif.digital_zoom == 1) return std::nullopt;
+  return exif.focal_mm.value_or(1) * exif.digital_zoom;
 }
 
 std::optional<double> exposure_ev(const Exif& exif) {

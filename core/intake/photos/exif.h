@@ -12,6 +12,7 @@ struct Exif {
   std::optional<double> focal_35mm;  // FocalLengthIn35mmFilm
   std::optional<double> focal_mm;
   std::optional<double> pixels_per_mm;  // FocalPlaneXResolution in its unit
+  double digital_zoom = 1;              // DigitalZoomRatio, at least 1
   double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = missing
   std::optional<double> exposure_s, f_number, iso;
   std::string camera, time;
@@ -31,6 +32,9 @@ struct Focal {
 // f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm. Both are at the size stored in EXIF, then scaled to
 // this one; a crop that keeps one side at full length is detected. nullopt when unknown or implausible.
 std::optional<Focal> focal_of(const Exif& exif, int width, int height);
+
+// FocalLength in millimetres times digital zoom: comparable between photos of one camera. nullopt: neither is written.
+std::optional<double> zoom_of(const Exif& exif);
 
 // EV at ISO 100: log2(N^2 / t) - log2(S / 100). A difference of 1 EV is a factor of 2 in scene radiance per pixel value.
 std::optional<double> exposure_ev(const Exif& exif);

@@ -46,6 +46,7 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.exposure_ev = optional_number(j.at("exposure_ev"));
       p.flash = j.value("flash", false);
       p.cut_out = j.value("cut_out", false);
+      if (j.contains("zoom")) p.zoom = optional_number(j.at("zoom"));
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
       p.color_profile = j.at("color_profile").get<std::string>();
@@ -82,6 +83,7 @@ void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) 
                     {"color_source", p.color_source}});
     if (p.flash) list.back()["flash"] = true;
     if (p.cut_out) list.back()["cut_out"] = true;
+    if (p.zoom) list.back()["zoom"] = *p.zoom;
   }
   write_json_file(folder / "ingest" / "photos.json", {{"photos", list}});
 }

@@ -20,12 +20,13 @@ struct Photo {
   std::optional<double> focal_px;     // at the ingested size
   std::string focal_source;           // "exif FocalLengthIn35mmFilm", "exif FocalLength and FocalPlaneXResolution", or empty
   std::optional<double> exposure_ev;  // log2(N^2 / (t S/100)): the scene luminance this photo was exposed for
-  bool flash = false;                 // the camera's flash fired: the light moves with the camera
-  bool cut_out = false;               // its file has an alpha channel that varies: the background may be missing
   std::string camera;                 // maker and model, or empty
   std::string time;                   // EXIF DateTimeOriginal, "YYYY:MM:DD HH:MM:SS", or empty
   std::string color_profile;          // "sRGB", "Display P3", "linear Rec. 709": colour space of the file
   std::string color_source;           // its source: "icc", "exif ColorSpace", "png cICP", "float linear", "assumed sRGB", ...
+  bool flash = false;                 // the camera's flash fired: the light moves with the camera
+  bool cut_out = false;               // its file has an alpha channel that varies: the background may be missing
+  std::optional<double> zoom;         // FocalLength in millimetres times DigitalZoomRatio: equal for photos with one focal length
   bool operator==(const Photo&) const = default;
 };
 

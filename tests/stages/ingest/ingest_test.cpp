@@ -126,6 +126,21 @@ TEST(Exif, FocalFromTheFocalPlaneFollowsAResize) {
   EXPECT_EQ(focal_of(exif, 1000, 667)->source, "exif FocalLength and FocalPlaneXResolution");
 }
 
+TEST(Exif, ASensitivityOfMoreThan65535IsInItsOtherFields) {
+  const std::vector<test::Tag> shot{{0x829a, 'r', 1, 100}, {0x829d, 'r', 4, 1}, {0x8827, 's', 65535}};
+  EXPECT_FALSE(exposure_ev(parse_exif(test::exif_bytes({}, shot))));
+  std::vector<test::Tag> full = shot;
+  full.push_back({0x8832, 'l', 102400});
+  EXPECT_NEAR(exposure_ev(parse_exif(test::exif_bytes({}, full))).value(), std::log2(1600.0 / 1024), 1e-9);
+}
+
+TEST(Exif, TheZoomIsTheFocalLengthTimesTheDigitalOne) {
+  EXPECT_FALSE(zoom_of(parse_exif(test::exif_bytes({}, {}))));
+  EXPECT_DOUBLE_EQ(zoom_of(parse_exif(test::exif_bytes({}, {{0x920a, 'r', 24, 1}}))).value(), 24);
+  EXPECT_DOUBLE_EQ(zoom_of(parse_exif(test::exif_bytes({}, {{0x920a, 'r', 24, 1}, {0xa404, 'r', 3, 2}}))).value(), 36);
+  EXPECT_DOUBLE_EQ(zoom_of(parse_exif(test::exif_bytes({}, {{0xa404, 'r', 3, 2}}))).value(), 1.5);
+}
+
 TEST(Exif, AFlashThatDidNotFireIsNone) {
   EXPECT_FALSE(parse_exif(test::exif_bytes({}, {{0x9209, 's', 16}})).flash);  // off, compulsory
   EXPECT_FALSE(Exif{}.flash);

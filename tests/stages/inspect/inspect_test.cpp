@@ -147,6 +147,21 @@ TEST(Inspect, SeesCamerasAndZoomInExif) {
   EXPECT_EQ(codes(report), (std::set<std::string>{"mixed_cameras", "mixed_focal"}));
 }
 
+TEST(Inspect, SeesAZoomInMillimetresAndADigitalOne) {
+  for (const bool digital : {false, true}) {
+    Folder folder;
+    folder.walls(16, 960, 720);
+    for (int i = 0; i < 16; ++i) {
+      const unsigned times = i % 2 ? 2 : 1;
+      const std::string exif = digital
+                                   ? test::exif_bytes({}, {{0x920a, 'r', 24, 1}, {0xa404, 'r', times, 1}, {0xa405, 's', 28}})
+                                   : test::exif_bytes({}, {{0x920a, 'r', 24 * times, 1}});
+      test::add_exif(folder.path(fmt::format("{:02}.jpg", i)), exif);
+    }
+    EXPECT_EQ(codes(folder.report()), std::set<std::string>{"mixed_focal"}) << digital;
+  }
+}
+
 TEST(Inspect, NamesColourProfilesAndAlpha) {
   Folder folder;
   folder.walls(16, 960, 720);

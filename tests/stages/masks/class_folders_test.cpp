@@ -8,6 +8,7 @@
 #include "tests/stages/masks/tiny_masks.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/rgba_png.h"
 
 namespace vitrine {
 namespace {
@@ -169,6 +170,22 @@ TEST_F(ClassFolders, MasksBesideThePhotosAreFoundAndThePhotosAreNone) {
   const auto whole = run();
   EXPECT_EQ(read_grey8(whole->output() / "masks/object/left/b.png"), disk_mask(80, 60, 15));
   EXPECT_EQ(read_grey8(whole->output() / "masks/transparent/left/b.png"), disk_mask(80, 60, 8));
+}
+
+TEST_F(ClassFolders, CutOutsBesideThePhotosGiveTheirAlpha) {
+  Image8 photo(80, 60, 3), cut(80, 60, 4, 0);
+  const Image8 disk = disk_mask(80, 60, 15);
+  for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] = uint8_t(i * 37);
+  for (size_t i = 0; i < disk.data().size(); ++i)
+    if (disk.data()[i]) {
+      for (size_t c = 0; c < 3; ++c) cut.data()[4 * i + c] = photo.data()[3 * i + c];
+      cut.data()[4 * i + 3] = 255;
+    }
+  for (const char* stem : {"a", "left/b", "left/c"}) {
+    put(std::string(stem) + ".jpg", photo);
+    write_rgba_png(given() / (std::string(stem) + "-removebg-preview.png"), cut);
+  }
+  EXPECT_EQ(read_grey8(run()->output() / "masks/object/left/b.png"), disk);
 }
 
 TEST_F(ClassFolders, PicturesOfMasksLaidOverPhotosAreNoMasks) {

@@ -6,12 +6,12 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/rng.h"
-#include "core/intake/masks/mask_files.h"
 #include "core/intake/photos/photo_files.h"
 #include "core/intake/photos/picture_roles.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
 #include "tests/support/error_of.h"
+#include "tests/support/rgba_png.h"
 #include "tests/support/tiny_photos.h"
 
 namespace vitrine {
@@ -20,7 +20,7 @@ namespace {
 constexpr int kWide = 160, kHigh = 120;
 
 // Coloured patches with noise that differ from photo to photo.
-Image8 photo(uint64_t seed) {
+Image8 picture(uint64_t seed) {
   Rng rng(seed);
   ImageF patches(10, 8, 3);
   for (float& v : patches.data()) v = float(rng.below(240));
@@ -29,19 +29,19 @@ Image8 photo(uint64_t seed) {
   for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] = uint8_t(smooth.data()[i] + float(rng.below(12)));
   return image;
 }
-Image8 depth() {
+Image8 depth_map() {
   Image8 map(kWide, kHigh, 1);
   for (int y = 0; y < kHigh; ++y)
     for (int x = 0; x < kWide; ++x) map.at(x, y) = uint8_t(20 + x + y / 2);
   return map;
 }
-Image8 confidence() {
+Image8 confidence_map() {
   Image8 map(kWide, kHigh, 1);
   for (int y = 0; y < kHigh; ++y)
     for (int x = 0; x < kWide; ++x) map.at(x, y) = uint8_t(127 * ((x / 20 + y / 30) % 3));
   return map;
 }
-Image8 normals() {
+Image8 normal_map() {
   Image8 map(kWide, kHigh, 3);
   for (int y = 0; y < kHigh; ++y)
     for (int x = 0; x < kWide; ++x) {
@@ -67,7 +67,7 @@ class SecondFiles : public testing::Test {
   fs::path photos() const { return folder.path() / "photos"; }
   void put(const fs::path& name, const Image8& image) const {
     make_folders((photos() / name).parent_path());
-    write_ldr(photos() / name, image);
+    image.channels() == 4 ? test::write_rgba_png(photos() / name, image) : write_ldr(photos() / name, image);
   }
   size_t beside(PictureRole role) const {
     size_t n = 0;
@@ -80,9 +80,9 @@ class SecondFiles : public testing::Test {
 
 TEST_F(SecondFiles, MapsOfScannersAreNoPhotos) {
   for (int i = 0; i < 4; ++i) {
-    put(fmt::format("frame_{:05}.jpg", i), photo(uint64_t(i)));
-    put(fmt::format("depth_{:05}.png", i), depth());
-    put(fmt::format("conf_{:05}.png", i), confidence());
+    put(fmt::format("frame_{:05}.jpg", i), picture(uint64_t(i)));
+    put(fmt::format("depth_{:05}.png", i), depth_map());
+    put(fmt::format("conf_{:05}.png", i), confidence_map());
   }
   EXPECT_EQ(find_photos(photos()).photos.size(), 4u);
   EXPECT_EQ(beside(PictureRole::Confidence), 4u);
@@ -94,9 +94,9 @@ TEST_F(SecondFiles, MapsOfScannersAreNoPhotos) {
 
 TEST_F(SecondFiles, OutputsOfRenderersNeedNoSeparator) {
   for (int i = 1; i < 5; ++i) {
-    put(fmt::format("Image{:04}.jpg", i), photo(uint64_t(i)));
-    put(fmt::format("Depth{:04}.png", i), depth());
-    put(fmt::format("Normal{:04}.png", i), normals());
+    put(fmt::format("Image{:04}.jpg", i), picture(uint64_t(i)));
+    put(fmt::format("Depth{:04}.png", i), depth_map());
+    put(fmt::format("Normal{:04}.png", i), normal_map());
   }
   EXPECT_EQ(find_photos(photos()).photos.size(), 4u);
   EXPECT_EQ(beside(PictureRole::Depth), 4u);
@@ -105,32 +105,34 @@ TEST_F(SecondFiles, OutputsOfRenderersNeedNoSeparator) {
 
 TEST_F(SecondFiles, PhotosThatAreCalledLikeMapsStayPhotos) {
   for (int i = 0; i < 4; ++i) {
-    put(fmt::format("frame_{}.jpg", i), photo(uint64_t(i)));
-    put(fmt::format("conf_{}.png", i), photo(uint64_t(20 + i)));
-    put(fmt::format("Normal{}.png", i), photo(uint64_t(30 + i)));
-    put(fmt::format("labels/frame_{}.png", i), photo(uint64_t(40 + i)));
+    put(fmt::format("frame_{}.jpg", i), picture(uint64_t(i)));
+    put(fmt::format("conf_{}.png", i), picture(uint64_t(20 + i)));
+    put(fmt::format("Normal{}.png", i), picture(uint64_t(30 + i)));
+    put(fmt::format("labels/frame_{}.png", i), picture(uint64_t(40 + i)));
   }
   EXPECT_EQ(find_photos(photos()).photos.size(), 16u);
 }
 
 TEST_F(SecondFiles, CutOutsAreMasksAndNoPhotos) {
   for (int i = 0; i < 4; ++i) {
-    const Image8 full = photo(uint64_t(i));
+    const Image8 full = picture(uint64_t(i));
     put(fmt::format("b_{}.jpg", i), full);
     put(fmt::format("b_{}-removebg-preview.png", i), cut_out(full));
   }
   EXPECT_EQ(find_photos(photos()).photos.size(), 4u);
   EXPECT_EQ(beside(PictureRole::Cutout), 4u);
-  EXPECT_EQ(masks_beside_photos(photos()).size(), 4u) << "their alpha channels are offered as masks";
+  std::string notes;
+  for (const FolderNote& note : notes_of(find_photos(photos()))) notes += note.sentence();
+  EXPECT_NE(notes.find("--masks " + photos().string() + " uses their alpha channels"), std::string::npos) << notes;
 }
 
 TEST_F(SecondFiles, CutOutsAreFoundByTheirPixelsWhateverTheyAreCalled) {
   for (int i = 0; i < 4; ++i) {
-    const Image8 full = photo(uint64_t(i));
+    const Image8 full = picture(uint64_t(i));
     put(fmt::format("b_{}.jpg", i), full);
     put(fmt::format("b_{} final.png", i), cut_out(full));
     put(fmt::format("elsewhere/b_{}.png", i), cut_out(full));
-    put(fmt::format("c_{}.png", i), cut_out(photo(uint64_t(50 + i))));  // photos with alpha of their own
+    put(fmt::format("c_{}.png", i), cut_out(picture(uint64_t(50 + i))));  // photos with alpha of their own
   }
   EXPECT_EQ(find_photos(photos()).photos.size(), 8u);
   EXPECT_EQ(beside(PictureRole::Cutout), 8u);
@@ -152,7 +154,7 @@ TEST_F(SecondFiles, FilesInPlaceOfTheFolderAreNamed) {
   write_file(folder.path() / "photos.tgz", "\x1f\x8b\x08"s);
   write_file(folder.path() / "scan.pdf", "%PDF-1.7\n"s);
   write_file(folder.path() / "notes.txt", "12 photos"s);
-  write_ldr(folder.path() / "one.jpg", photo(1));
+  write_ldr(folder.path() / "one.jpg", picture(1));
   const std::pair<const char*, const char*> whys[] = {{"photos.zip", "it is an archive, not a folder"},
                                                       {"photos.tgz", "it is an archive, not a folder"},
                                                       {"scan.pdf", "it is a PDF document, not a folder"},

@@ -254,6 +254,7 @@ TEST(PhotoList, RoundTripsIncludingWhatIsUnknown) {
                                 "assumed sRGB"}};
   photos[0].flash = true;
   photos[1].cut_out = true;
+  photos[0].zoom = 35.5;
   write_photo_list(folder.path(), photos);
   EXPECT_EQ(read_photo_list(folder.path()), photos);
   write_file(folder.path() / "ingest" / "photos.json", R"({"photos": [{"name": "a.jpg"}]})");
