@@ -175,7 +175,7 @@ TEST_F(ClassFolders, MasksBesideThePhotosAreFoundAndThePhotosAreNone) {
 TEST_F(ClassFolders, CutOutsBesideThePhotosGiveTheirAlpha) {
   Image8 photo(80, 60, 3), cut(80, 60, 4, 0);
   const Image8 disk = disk_mask(80, 60, 15);
-  for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] = uint8_t(i * 37);
+  for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] = uint8_t(i / 60);
   for (size_t i = 0; i < disk.data().size(); ++i)
     if (disk.data()[i]) {
       for (size_t c = 0; c < 3; ++c) cut.data()[4 * i + c] = photo.data()[3 * i + c];
