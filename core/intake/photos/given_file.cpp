@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 #include "core/scene/image/probe.h"
 
 namespace vitrine {

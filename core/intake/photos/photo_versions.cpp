@@ -4,7 +4,6 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/foundation/base/utf8.h"
 #include "core/intake/photos/raw_photo.h"
 #include "core/scene/image/ldr.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

@@ -1,5 +1,5 @@
 // Second sets of the same photos: folders of reduced copies, of cut-outs, of undistorted photos next to their originals.
-#include "core/foundation/base/utf8.h"
+#include "core/foundation/base/file.h"
 #include "core/intake/photos/picture_content.h"
 #include "core/intake/photos/sorted_pictures.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "stages/masks/small_photo.h"
+#include "stages/masks/mask_source.h"
 
 namespace vitrine {
 
