@@ -1,4 +1,3 @@
-// What a file is that was given instead of a folder of photos.
 #include "core/intake/photos/given_file.h"
 
 #include <fstream>
