@@ -11,30 +11,13 @@
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/foundation/config/text.h"
-#include "core/intake/masks/photo_marks.h"
+#include "core/intake/masks/marks_check.h"
 #include "core/intake/masks/photo_masks.h"
+#include "core/intake/photos/linear_photo.h"
 
 namespace vitrine {
 
 namespace {
-
-// Checks photos and outlines; the masks stage, which has the cameras, checks the rest.
-void check_marks(const std::string& path, const std::string& photos) {
-  YamlReader in(read_yaml(path));
-  const PhotoNames names(photos);
-  const YamlNode* marks = in.root().find("marks");
-  if (names.empty() || marks == nullptr) return;  // ingest and masks report the problem
-  for (const YamlNode& mark : marks->items) {
-    if (mark.kind != YamlNode::Kind::Map) continue;
-    if (mark.find("box") != nullptr || mark.find("polygon") != nullptr) marked_region(in, mark);
-    const YamlNode* photo = mark.find("photo");
-    if (photo == nullptr || photo->kind != YamlNode::Kind::Scalar || names.has_by_part(photo->text)) continue;
-    const std::string near = names.nearest(photo->text);
-    in.complain(*photo, fmt::format("there is no photo '{}'{}", photo->text,
-                                    near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
-  }
-  in.finish(fmt::format("marks name photos of {}, and outline things in them: vitrine mark shows and draws them", photos));
-}
 
 // Checks a folder or transforms.json of masks with the code of the sfm and masks stages.
 void check_masks(const fs::path& masks, const Settings& settings) {
@@ -90,22 +73,50 @@ std::vector<std::string> PhotoNames::all() const {
   return names;
 }
 
-bool PhotoNames::has(const std::string& name) const {
-  return std::ranges::any_of(files_, [&](const PhotoFile& file) { return name == file.name || name == file.stem; });
-}
-
-bool PhotoNames::has_by_part(const std::string& name) const {
-  if (has(name)) return true;
+std::vector<std::string> PhotoNames::sources() const {
   std::vector<std::string> names;
   for (const PhotoFile& file : files_) names.push_back(file.source);
-  const PhotoMatch meant = PhotoNameFinder(names).match(name);
-  return meant.photo || !meant.could_be.empty();  // a stage reports ambiguous matches
+  return names;
 }
 
-std::string PhotoNames::nearest(const std::string& name) const {
-  std::vector<std::string> names;
-  for (const PhotoFile& file : files_) names.push_back(file.source);
-  return nearest_word(name, names);
+std::optional<size_t> PhotoNames::find(const std::string& name) const {
+  const auto same = std::ranges::find_if(files_, [&](const PhotoFile& file) { return name == file.name || name == file.stem; });
+  return same == files_.end() ? std::nullopt : std::optional(size_t(same - files_.begin()));
+}
+
+std::optional<size_t> PhotoNames::find_by_part(const YamlNode& name, YamlReader& in) const {
+  if (const auto same = find(name.text)) return same;
+  const std::vector<std::string> names = sources();
+  const PhotoNameFinder finder(names);
+  const PhotoMatch meant = finder.match(name.text);
+  if (meant.photo) return meant.photo;
+  const std::string near = nearest(name.text);
+  if (!meant.could_be.empty())
+    in.complain(name, fmt::format("'{}' may be {}: write all of its name", name.text, listed(finder, meant.could_be)));
+  else
+    in.complain(
+        name, fmt::format("there is no photo '{}'{}", name.text, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
+  return std::nullopt;
+}
+
+std::optional<PhotoPixels> PhotoNames::pixels(size_t photo) const {
+  try {
+    const PhotoSize size = upright_size(read_photo_head(files_[photo].path, files_[photo].balance));
+    if (size.width > 0) return PhotoPixels{size.width, size.height};
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;  // ingest reports an unreadable photo
+  }
+  return std::nullopt;
+}
+
+std::string PhotoNames::nearest(const std::string& name) const { return nearest_word(name, sources()); }
+
+void check_marks(const fs::path& marks, const fs::path& photos) {
+  const PhotoNames files(photos);
+  const std::vector<std::string> names = files.all();
+  check_marks(marks, {.names = names,
+                      .find = [&](const YamlNode& name, YamlReader& in) { return files.find_by_part(name, in); },
+                      .size = [&](size_t photo) { return files.pixels(photo); }});
 }
 
 void check_inputs_apart(const fs::path& project, const Graph& graph, const Settings& settings) {

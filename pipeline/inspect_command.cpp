@@ -369,6 +369,7 @@ int inspect_command(const Words& words) {
   const std::string& given = only_argument(rest, "which photos?", "vitrine inspect PHOTOS");
   const Graph graph = load_graph(stage_folder());
   const Subject subject = subject_of(given, a, graph);
+  if (subject.has_masks() && is_yaml_file(subject.masks)) check_marks(subject.masks, subject.photos);
   Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();

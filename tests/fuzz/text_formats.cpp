@@ -1,6 +1,7 @@
 // YAML and JSON files: configurations, lights, marks, edits; the records that stages leave for each other and for the report.
 #include "core/foundation/artifact/manifest.h"
 #include "core/foundation/config/schema.h"
+#include "core/intake/masks/marks_check.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
@@ -57,6 +58,7 @@ void fuzz_lights(std::span<const uint8_t> bytes) {
 void fuzz_marks(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("marks.yaml", text_of(bytes));
   refuses_or_reads([&] { read_marks(path, capture()); });
+  refuses_or_reads([&] { check_marks(path, {}); });
 }
 
 void fuzz_edits(std::span<const uint8_t> bytes) {

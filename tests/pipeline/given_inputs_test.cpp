@@ -8,9 +8,15 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine {
 namespace {
+
+// Marks of a mirror in two photos.
+const std::string kRightMarks =
+    "size: [60, 40]\nmarks:\n  - {photo: img_0002.jpg, class: specular, box: [1, 1, 20, 30]}\n"
+    "  - {photo: img_0001, class: specular, box: [1, 1, 20, 30]}\n";
 
 struct Answer {
   int code;
@@ -52,7 +58,8 @@ TEST_F(GivenInputs, PhotosHaveTheNamesThatIngestGivesThem) {
   for (const char* name : {"img_0001.jpg", "img_0001", "upper.JPG", "upper_png.png", "linear.png", "linear"})
     EXPECT_TRUE(names.has(name)) << name;
   for (const char* name : {"img_0003.jpg", "linear.exr", "upper.png", ""}) EXPECT_FALSE(names.has(name)) << name;
-  EXPECT_TRUE(names.has_by_part("linear.exr"));
+  YamlReader in(parse_yaml("linear.exr", "name"));
+  EXPECT_EQ(names.find_by_part(in.root(), in), names.find("linear.png"));
   EXPECT_EQ(names.nearest("img_0003.jpg"), "img_0001.jpg");
   EXPECT_TRUE(PhotoNames(folder.path() / "nowhere").empty());
 }
@@ -69,8 +76,7 @@ TEST_F(GivenInputs, ThatDoNotExistEndTheRunAtOnce) {
 }
 
 TEST_F(GivenInputs, MarksAreReadBeforeAnythingIsComputed) {
-  EXPECT_EQ(dry_run({"--masks", marks("marks:\n  - {photo: img_0002.jpg, class: specular, box: [1, 1, 2, 2]}\n").string()}).code,
-            0);
+  EXPECT_EQ(dry_run({"--masks", marks(kRightMarks).string()}).code, 0);
   const Answer syntax = dry_run({"--masks", marks("marks: [\n").string()});
   EXPECT_EQ(syntax.code, 2);
   EXPECT_NE(syntax.text.find("marks.yaml:"), std::string::npos) << syntax.text;
@@ -84,6 +90,41 @@ TEST_F(GivenInputs, MarksAreReadBeforeAnythingIsComputed) {
   const Answer crosses = dry_run({"--masks", marks(crossing).string()});
   EXPECT_EQ(crosses.code, 2);
   EXPECT_NE(crosses.text.find("marks.yaml:3:5: error: the outline crosses itself"), std::string::npos) << crosses.text;
+}
+
+// Every mistake ends the run, and inspect, with its line before a stage starts.
+TEST_F(GivenInputs, MistakesInMarksAreFoundByRunAndInspect) {
+  write_ldr(photos / "a.png", Image8(60, 40, 3, 90));
+  write_ldr(photos / "b.png", Image8(60, 40, 3, 90));
+  const std::string one = "  - {photo: a.png, class: specular, box: [1, 1, 20, 30]}\n", head = "size: [60, 40]\nmarks:\n" + one;
+  const auto second = [](const std::string& rest) { return "  - {photo: b.png, " + rest + "}\n"; };
+  const struct {
+    std::string text, where, what;
+  } cases[] = {
+      {head + second("class: glass, box: [1, 1, 20, 30]"), ":4:27: ", "'glass' is no class"},
+      {head + second("class: glass, box: [1, 1, 20, 30]"), ":4:27: ", "did you mean 'transparent'?"},
+      {head + second("class: specular, box: [1, 1, 20, 41]"), ":4:42: ", "(20, 41) lies outside a photo of 60x40"},
+      {head + second("class: specular, box: [1, 1, 20, 30], size: [60, 60]"), ":4:5: ", "is not this one, which is 60x40"},
+      {head + second("class: specular, box: [20, 1, 1, 30]"), ":4:42: ", "left must be smaller than right"},
+      {head + second("class: specular"), ":4:5: ", "a mark has a box or a polygon"},
+      {head + one, ":4:13: ", "'specular' is marked twice in this photo"},
+      {head, ":3:5: ", "'specular' is marked in one photo only"},
+      {"marks:\n" + one, ":2:5: ", "of what size was the photo that was marked?"},
+      {"size: [60, 40]\nmarks: []\n", ":2:8: ", "marks must be a list of marks"},
+      {"", ":1:1: ", "marks must be a list of marks"},
+      {"mark:\n" + one, ":1:1: ", "unknown key 'mark'; did you mean 'marks'?"},
+  };
+  for (const auto& c : cases) {
+    const std::string file = marks(c.text).string();
+    const Answer run = answer_of({"run", photos.string(), "-o", (folder.path() / "out").string(), "--masks", file}),
+                 look = answer_of({"inspect", photos.string(), "--masks", file});
+    for (const Answer& a : {run, look}) {
+      EXPECT_EQ(a.code, 2) << c.text << a.text;
+      EXPECT_NE(a.text.find("marks.yaml" + c.where), std::string::npos) << c.text << a.text;
+      EXPECT_NE(a.text.find(c.what), std::string::npos) << c.text << a.text;
+    }
+    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  }
 }
 
 TEST_F(GivenInputs, MasksInFoldersThatAreNoClassesEndTheRunAtOnce) {
@@ -141,7 +182,7 @@ TEST_F(GivenInputs, ResultsAreNeverWrittenIntoThemOrOverThem) {
 }
 
 TEST_F(GivenInputs, SettingsThatAreReplacedAreNamed) {
-  const fs::path out = folder.path() / "out", given = marks("marks: []\n");
+  const fs::path out = folder.path() / "out", given = marks(kRightMarks);
   const auto run = [&](std::vector<std::string> options) {
     options.insert(options.begin(), {"run", photos.string(), "-o", out.string(), "--no-preflight"});
     return answer_of(options);  // ends at ingest, whose photos are none; the settings are written before

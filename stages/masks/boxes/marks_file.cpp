@@ -5,9 +5,8 @@
 #include <optional>
 
 #include "core/foundation/base/error.h"
-#include "core/intake/masks/photo_marks.h"
-#include "core/intake/masks/photo_masks.h"
 #include "core/foundation/config/photo_name_finder.h"
+#include "core/intake/masks/marks_check.h"
 
 namespace vitrine {
 
@@ -22,13 +21,8 @@ class Reader {
   Reader(const fs::path& path, const MaskCapture& capture) : capture_(capture), in_(read_yaml(path.string())) {}
 
   Marks marks() {
-    const YamlNode& root = in_.root();
-    in_.only_keys(root, {"size", "marks"});
-    const YamlNode* marks = root.find("marks");
-    if (marks == nullptr || marks->kind != YamlNode::Kind::List || marks->items.empty()) {
-      in_.complain(marks != nullptr ? *marks : root, "marks must be a list of marks");
-    } else {
-      const std::optional<Vec2d> size = size_of(root);
+    if (const YamlNode* marks = mark_list(in_)) {
+      const std::optional<Vec2d> size = mark_size(in_, in_.root());
       for (const YamlNode& mark : marks->items) read_mark(mark, size);
     }
     in_.finish("stages/masks/README.md shows the format");
@@ -62,41 +56,24 @@ class Reader {
     return photos.empty() ? "" : fmt::format(" (sfm could not place {})", fmt::join(photos, ", "));
   }
 
-  std::optional<Vec2d> size_of(const YamlNode& map) {
-    const YamlNode* node = map.find("size");
-    if (node == nullptr) return std::nullopt;
-    const auto size = in_.numbers(*node, 2, "[width, height] of the photo in pixels");
-    if (!size) return std::nullopt;
-    if ((*size)[0] > 0 && (*size)[1] > 0) return Vec2d{(*size)[0], (*size)[1]};
-    in_.complain(*node, "a photo has a positive width and height");
-    return std::nullopt;
-  }
-
   // Maps the outline from the marked photo to the undistorted one, edge by edge.
-  std::optional<std::vector<Vec2d>> outline(const YamlNode& mark, const std::vector<Vec2d>& points, const Vec2d& size,
-                                            size_t view) {
+  std::optional<std::vector<Vec2d>> outline(const GivenMark& mark, size_t view) {
     const Undistortion& u = capture_.undistortions[view];
     const double width = double(u.source.width), height = double(u.source.height);
-    if (!same_shape(int(u.source.width), int(u.source.height), size.x, size.y)) {
-      in_.complain(mark, fmt::format("a photo of {:.0f}x{:.0f} is not this one, which is {:.0f}x{:.0f}: is 'size' right?", size.x,
-                                     size.y, width, height));
-      return std::nullopt;
-    }
+    if (!mark_fits(in_, mark, PhotoPixels{int(u.source.width), int(u.source.height)})) return std::nullopt;
+    const std::vector<Vec2d>& points = mark.region.corners;
+    const Vec2d& size = mark.size;
     std::vector<Vec2d> out;
     for (size_t i = 0; i < points.size(); ++i) {
       const Vec2d &a = points[i], &b = points[(i + 1) % points.size()];
-      if (a.x < 0 || a.y < 0 || a.x > size.x || a.y > size.y) {
-        in_.complain(corner_node(mark, i),
-                     fmt::format("({:.0f}, {:.0f}) lies outside a photo of {:.0f}x{:.0f}", a.x, a.y, size.x, size.y));
-        return std::nullopt;
-      }
       for (int step = 0; step < kEdgeSteps; ++step) {
         const Vec2d p = a + (double(step) / kEdgeSteps) * (b - a);
         const Vec2d q{p.x * width / size.x, p.y * height / size.y};
         const std::optional<Vec2d> straight = undistorted(q, u);
         if (!straight) {
           in_.complain(
-              mark, fmt::format("the lens distorts ({:.0f}, {:.0f}) too much to locate it: mark nearer to the middle", p.x, p.y));
+              *mark.node,
+              fmt::format("the lens distorts ({:.0f}, {:.0f}) too much to locate it: mark nearer to the middle", p.x, p.y));
           return std::nullopt;
         }
         out.push_back(*straight);
@@ -106,32 +83,23 @@ class Reader {
   }
 
   void read_mark(const YamlNode& node, const std::optional<Vec2d>& common_size) {
-    in_.only_keys(node, {"photo", "class", "box", "polygon", "size", "thing"});
-    if (node.kind != YamlNode::Kind::Map) return;
-    const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *word = node.find("thing");
-    if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
-    if (word != nullptr && word->text.empty()) return in_.complain(*word, "'thing' is the name of the object, not empty");
-    const bool lost = meant_photo_is_lost(photo->text);
-    const auto view = lost ? std::nullopt : marked_view(in_, *photo, capture_.set.views);
-    const std::optional<MaskClass> kind = mask_class(kind_node->text);
-    if (!kind)
-      in_.complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
-    const auto own_size = size_of(node);
-    const auto region = marked_region(in_, node);
-    if ((!view && !lost) || !kind || !region) return;
-    const std::optional<Vec2d> size = own_size ? own_size : common_size;
-    if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
-    std::string object_name(name(*kind));
-    if (word != nullptr) object_name += " " + word->text;
+    bool lost = false;
+    std::optional<size_t> view;
+    const auto given = given_mark(in_, node, common_size, [&](const YamlNode& photo) {
+      lost = meant_photo_is_lost(photo.text);
+      if (!lost) view = marked_view(in_, photo, capture_.set.views);
+      return lost || view.has_value();
+    });
+    if (!given) return;
+    const std::string object_name = given->object();
     auto it = std::find_if(objects_.begin(), objects_.end(), [&](const MarkedObject& t) { return t.name == object_name; });
-    if (it == objects_.end())
-      it = objects_.insert(objects_.end(), {object_name, word != nullptr ? word->text : std::string(), *kind, {}});
-    if (lost) return void(lost_.emplace_back(object_name, photo->text));
-    const auto line = outline(node, region->corners, *size, *view);
+    if (it == objects_.end()) it = objects_.insert(objects_.end(), {object_name, given->word, given->kind, {}});
+    if (lost) return void(lost_.emplace_back(object_name, given->photo->text));
+    const auto line = outline(*given, *view);
     if (!line) return;
-    Mark mark{.view = *view, .box = region->box, .outline = *line};
+    Mark mark{.view = *view, .box = given->region.box, .outline = *line};
     if (std::any_of(it->marks.begin(), it->marks.end(), [&](const Mark& m) { return m.view == *view; }))
-      return in_.complain(*photo, fmt::format("'{}' is marked twice in this photo", object_name));
+      return complain_of_second_mark(in_, *given);
     it->marks.push_back(std::move(mark));
   }
 
