@@ -123,7 +123,7 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 13;
+  info.version = 14;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},
@@ -138,7 +138,7 @@ Stage export_stage() {
 
 StageCost export_cost(const CostTerms& t) {
   const double faces = t.number("mesh.faces"), surfels_k = t.number("optimize.max_gaussians") / 1000;
-  return stage_cost(9 + 0.9e-4 * faces + 0.07 * surfels_k, 0.7, 560 + 1e-3 * faces, 25 + 0.25 * surfels_k + 2e-4 * faces);
+  return stage_cost(9 + 0.9e-4 * faces + 0.07 * surfels_k, 0.7, 560 + 1e-3 * faces, 25 + 0.66 * surfels_k + 2e-4 * faces);
 }
 
 }  // namespace vitrine

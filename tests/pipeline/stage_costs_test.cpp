@@ -31,7 +31,7 @@ constexpr Row kRows[] = {
     {"preview", "refine", false, 0.1, 0.5, 94371840, 104857},
     {"preview", "decompose", false, 21.2, 0.77, 517996544, 6291456},
     {"preview", "evaluate", false, 11.89184, 0.65, 296443340, 8053063},
-    {"preview", "export", false, 26.4, 0.7, 692060160, 78643200},
+    {"preview", "export", false, 26.4, 0.7, 692060160, 130233139},
     {"standard", "ingest", false, 26.4736, 0.86, 3237054151, 347892350},
     {"standard", "sfm", false, 213.79095584536503, 0.8538297905239591, 4476370944, 304405807},
     {"standard", "masks", false, 115.2, 0.9, 573948559, 3623878},
@@ -42,7 +42,7 @@ constexpr Row kRows[] = {
     {"standard", "refine", false, 0.1, 0.5, 94371840, 104857},
     {"standard", "decompose", false, 21.2, 0.77, 517996544, 6291456},
     {"standard", "evaluate", false, 41.56736, 0.65, 713914161, 32212254},
-    {"standard", "export", false, 43.8, 0.7, 796917760, 131072000},
+    {"standard", "export", false, 43.8, 0.7, 796917760, 234251878},
     {"preview", "ingest", true, 16.06744576, 0.86, 3237054151, 142496706},
     {"preview", "sfm", true, 94.21495880134127, 0.8129284922029909, 1861380105, 124684618},
     {"preview", "masks", true, 9, 0.9, 234090615, 10390384},
@@ -53,7 +53,7 @@ constexpr Row kRows[] = {
     {"preview", "refine", true, 73.5376, 0.92, 1075054557, 27262976},
     {"preview", "decompose", true, 21.2, 0.77, 517996544, 6291456},
     {"preview", "evaluate", true, 37.89184, 0.65, 936074700, 8053063},
-    {"preview", "export", true, 26.4, 0.7, 692060160, 78643200},
+    {"preview", "export", true, 26.4, 0.7, 692060160, 130233139},
     {"standard", "ingest", true, 26.4736, 0.86, 3237054151, 347892350},
     {"standard", "sfm", true, 213.79095584536503, 0.8538297905239591, 4476370944, 304405807},
     {"standard", "masks", true, 9, 0.9, 405253652, 25367150},
@@ -64,7 +64,7 @@ constexpr Row kRows[] = {
     {"standard", "refine", true, 1411.4111999999998, 0.92, 3101224001, 52428800},
     {"standard", "decompose", true, 21.2, 0.77, 517996544, 6291456},
     {"standard", "evaluate", true, 67.56736000000001, 0.65, 1353545521, 32212254},
-    {"standard", "export", true, 43.8, 0.7, 796917760, 131072000},
+    {"standard", "export", true, 43.8, 0.7, 796917760, 234251878},
 };
 
 CostTerms terms_of(const std::string& preset, bool masks) {

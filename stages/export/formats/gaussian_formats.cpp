@@ -18,7 +18,8 @@ std::vector<std::string> write_ply_2dgs(ExportSource& source, const std::filesys
   write_gaussian_ply(
       folder / file, in_frame(source.diffuse(), frame),
       {.comments = source.header_lines({"vitrine_format 1", "SplatRenderMode: 2dgs", vertical_axis(frame), "color lin_rec709"}),
-       .disk_normals = true});
+       .disk_normals = true,
+       .least_degree = kSplatFileDegree});
   return {file};
 }
 
@@ -30,6 +31,7 @@ std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesys
   write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
                      {.comments = source.header_lines({"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"}),
                       .thickness = disk_thickness(frame),
+                      .least_degree = kSplatFileDegree,
                       .convert_color = encode_sh_for_display});
   return {file};
 }
@@ -84,22 +86,23 @@ std::vector<std::string> write_preview_3dgs(ExportSource& source, const std::fil
   const ExportFrame frame = source.frame();
   write_gaussian_ply(folder / file, in_frame(source.preview(), frame),
                      {.comments = source.header_lines({"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"}),
-                      .thickness = disk_thickness(frame)});
+                      .thickness = disk_thickness(frame),
+                      .least_degree = kSplatFileDegree});
   return {file};
 }
 
 }  // namespace
 
 ExportFormat ply_2dgs_format() {
-  return {
-      .name = "ply-2dgs",
-      .summary = "surfels for 2D Gaussian splatting programs, linear colour",
-      .holds =
-          "position, rotation, two scales, opacity and spherical harmonics of every diffuse surfel, bit for bit; disk normals",
-      .loses =
-          "materials (f0, roughness, specular weight, transmission); programs that take colours as sRGB show the linear ones "
-          "too dark: use ply-3dgs to look at the scene",
-      .write = write_ply_2dgs};
+  return {.name = "ply-2dgs",
+          .summary = "surfels for 2D Gaussian splatting programs, linear colour",
+          .holds =
+              "position, rotation, two scales, opacity and spherical harmonics of every diffuse surfel, bit for bit, padded with "
+              "zeros to degree 3 (45 f_rest, 244 bytes a surfel); disk normals",
+          .loses =
+              "materials (f0, roughness, specular weight, transmission); programs that take colours as sRGB show the linear ones "
+              "too dark: use ply-3dgs to look at the scene",
+          .write = write_ply_2dgs};
 }
 
 ExportFormat ply_3dgs_format() {
@@ -107,11 +110,14 @@ ExportFormat ply_3dgs_format() {
       .name = "ply-3dgs",
       .summary = "surfels as flat ellipsoids for ordinary Gaussian splatting viewers, sRGB colour",
       .holds =
-          "position, rotation, scales (the third is 1e-6 scene units), opacity and spherical harmonics of every diffuse surfel",
+          "position, rotation, scales (the third is 1e-6 scene units), opacity and spherical harmonics of every diffuse surfel, "
+          "padded with zeros to degree 3: 45 f_rest, 248 bytes a surfel, as many importers require; 4 bytes more where the scene "
+          "has objects (object_id)",
       .loses =
           "linear radiance: the mean colour of a surfel is encoded exactly, its view dependence to first order, values above 1 "
           "are kept but clipped on display; viewers blend in sRGB and project ellipsoids approximately, so edges and half "
-          "transparent parts differ slightly; materials",
+          "transparent parts differ slightly; materials; importers that require exactly 248 bytes refuse the file of a scene "
+          "with objects: use preview-3dgs",
       .write = write_ply_3dgs};
 }
 
@@ -134,8 +140,8 @@ ExportFormat preview_3dgs_format() {
       .summary = "what all layers show together, as one 3D Gaussian scene, sRGB colour",
       .holds =
           "the opaque twin of the scene, or its diffuse layer, as flat ellipsoids with spherical harmonics fitted to the "
-          "composed pictures: "
-          "reflections and what glass shows are surfels like all others",
+          "composed pictures: reflections and what glass shows are surfels like all others; padded with zeros to degree 3: "
+          "45 f_rest, always 248 bytes a surfel",
       .loses =
           "the layers; what glass and mirrors show follows the eye only as far as surfels behind their surfaces and spherical "
           "harmonics can; linear radiance; materials",

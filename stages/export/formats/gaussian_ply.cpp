@@ -19,6 +19,8 @@ static_assert(std::endian::native == std::endian::little, "the writer copies flo
 
 void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& layer, const GaussianPlyDesc& desc) {
   const size_t rest = layer.width(Attribute::ShRest) / 3;  // coefficients per channel above the DC
+  const int degree = std::max(layer.sh_degree(), desc.least_degree);
+  const size_t padded = size_t((degree + 1) * (degree + 1) - 1);
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   for (const std::string& c : desc.comments) header += "comment " + c + "\n";
   header += fmt::format("element vertex {}\n", layer.size());
@@ -28,7 +30,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     ++properties;
   };
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"}) property(name);
-  for (size_t i = 0; i < 3 * rest; ++i) property(fmt::format("f_rest_{}", i));
+  for (size_t i = 0; i < 3 * padded; ++i) property(fmt::format("f_rest_{}", i));
   property("opacity");
   for (size_t i = 0; i < (desc.thickness > 0 ? 3u : 2u); ++i) property(fmt::format("scale_{}", i));
   for (size_t i = 0; i < 4; ++i) property(fmt::format("rot_{}", i));
@@ -65,7 +67,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     if (desc.convert_color) desc.convert_color(sh);
     put_all(sh.data(), 3);
     for (size_t c = 0; c < 3; ++c)
-      for (size_t k = 1; k <= rest; ++k) put(sh[3 * k + c]);
+      for (size_t k = 1; k <= padded; ++k) put(k <= rest ? sh[3 * k + c] : 0);
     put(*layer.at(Attribute::Opacity, i));
     put_all(layer.at(Attribute::LogScale, i), 2);
     if (desc.thickness > 0) put(std::log(desc.thickness));

@@ -2,6 +2,7 @@
 //   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3  [more]  [object_id]
 // f_rest is channel-major (all red coefficients, then green, then blue; 3k = 0, 9, 24 or 45 for degree 0 to 3), opacity is a
 // logit, scales are natural logarithms, rot is a quaternion w x y z. Readers show the colour 0.5 + 0.28209479 f_dc.
+// Programs that follow the reference implementation of Gaussian splatting accept degree 3 alone: 62 floats with three scales.
 // object_id exists if surfels have ids; 0: none.
 #pragma once
 
@@ -23,12 +24,16 @@ struct MoreProperty {
   std::vector<float> values;  // [surfels]
 };
 
+// The spherical harmonics degree that readers of the layout expect; surfels of a lower one are padded with zeros.
+inline constexpr int kSplatFileDegree = 3;
+
 struct GaussianPlyDesc {
   std::vector<std::string> comments;    // header lines, without the word "comment"
   bool disk_normals = false;            // nx ny nz = third column of the rotation; else 0
   std::span<const Vec3f> normals = {};  // [surfels] or empty: nx ny nz; overrides the disk normals
   std::span<const MoreProperty> more = {};
-  float thickness = 0;  // file units, written as scale_2; 0: only two scales
+  float thickness = 0;   // file units, written as scale_2; 0: only two scales
+  int least_degree = 0;  // of f_rest: coefficients that the surfels lack are zeros
   // Converts the colour of one surfel in place before writing; coefficient-major [k][rgb], DC first.
   std::function<void(std::span<float> sh)> convert_color = {};
 };

@@ -141,14 +141,30 @@ TEST_F(ExportStage, DisksAreAsThinInEveryUnit) {
   }
 }
 
-TEST_F(ExportStage, ShDegreesOtherThanThreeKeepTheirOwnPropertyCount) {
-  for (const auto& [degree, rest] : {std::pair{0, 0}, {1, 9}, {2, 24}}) {
-    write_layer(layer_path(), random_layer(degree, 3));
+// Importers of both layouts require the 45 coefficients of degree 3 and refuse 0, 9 or 24.
+TEST_F(ExportStage, LowerShDegreesArePaddedToDegreeThree) {
+  for (const int degree : {0, 1, 2, 3}) {
+    const SplatLayer layer = random_layer(degree, 3);
+    const int own = (degree + 1) * (degree + 1) - 1;  // coefficients per channel above the DC
+    write_layer(layer_path(), layer);
     RecordingContext c = context();
     run_export({.formats = {"ply-2dgs", "ply-3dgs"}}, c);
-    EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_2dgs.ply").properties, property_list(rest, 2));
-    EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_3dgs.ply").properties, property_list(rest, 3));
+    const FloatPly flat = parsed_ply(c.output() / "export/gaussians_2dgs.ply"),
+                   splats = parsed_ply(c.output() / "export/gaussians_3dgs.ply");
+    EXPECT_EQ(flat.properties, property_list(45, 2));
+    EXPECT_EQ(splats.properties, property_list(45, 3));
+    for (size_t i = 0; i < layer.size(); ++i)
+      for (int ch = 0; ch < 3; ++ch)
+        for (int k = 0; k < 15; ++k) {
+          const std::string name = fmt::format("f_rest_{}", 15 * ch + k);
+          EXPECT_EQ(flat.value(i, name), k < own ? layer.at(Attribute::ShRest, i)[3 * k + ch] : 0) << degree << " " << name;
+          if (k >= own) {
+            EXPECT_EQ(splats.value(i, name), 0) << degree << " " << name;
+          }
+        }
   }
+  for (const char* format : {"ply-2dgs", "ply-3dgs", "preview-3dgs"})
+    EXPECT_NE(find_export_format(format)->holds.find("45 f_rest"), std::string_view::npos) << format;
 }
 
 TEST_F(ExportStage, AScaleBarInThePhotosGivesEveryFormatItsUnit) {

@@ -243,7 +243,8 @@ TEST_F(MoreFormats, GaussiansGlbHasTheExtensionsAttributes) {
   for (int m = 0; m < 3; ++m) first(fmt::format("{}SH_DEGREE_1_COEF_{}", prefix, m), "VEC3", row);
   EXPECT_FALSE(primitive["attributes"].contains(prefix + "SH_DEGREE_2_COEF_0"));
   const std::string ply = read_file(c.output() / "export/preview_3dgs.ply");
-  const size_t body = ply.find("end_header\n") + 11, floats = 9 + 9 + 1 + 3 + 4;
+  const size_t body = ply.find("end_header\n") + 11, floats = 9 + 45 + 1 + 3 + 4;
+  EXPECT_EQ(ply.size(), body + 248 * scene_.diffuse.size());
   float dc[3];
   std::memcpy(dc, ply.data() + body + 4 * (row * floats + 6), 12);
   const auto dc_glb = first(prefix + "SH_DEGREE_0_COEF_0", "VEC3", row);
