@@ -1,8 +1,9 @@
 // Export format gaussians-glb: the merged preview (preview-3dgs) as glTF with KHR_gaussian_splatting. A point primitive with the
 // attributes
 //   POSITION, KHR_gaussian_splatting:ROTATION (x y z w), :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (vec3)
-// and COLOR_0 for viewers that show only points. The extension is a release candidate as of July 2026. SCALE is linear since
-// February 2026; earlier drafts had logarithms.
+// and COLOR_0, decoded to linear values, for viewers that show only points. The extension is ratified (KhronosGroup/glTF,
+// extensions/2.0/Khronos/KHR_gaussian_splatting): kernel and colorSpace are required, unit quaternions, scales not below zero,
+// degrees of spherical harmonics complete. Drafts before February 2026 had logarithms of scales.
 #include <algorithm>
 #include <cmath>
 
@@ -71,10 +72,11 @@ std::vector<std::string> write_gaussians_glb(ExportSource& source, const std::fi
 ExportFormat gaussians_glb_format() {
   return {
       .name = "gaussians-glb",
-      .summary = "the merged preview as glTF with KHR_gaussian_splatting, +Y up",
-      .holds = "what preview-3dgs holds; points with colours for viewers without the extension",
-      .loses =
-          "what preview-3dgs loses; the extension has no flat kernel (the third scale is 1e-6 scene units) and is not final yet",
+      .summary = "the merged preview as glTF with the ratified extension KHR_gaussian_splatting, +Y up",
+      .holds =
+          "what preview-3dgs holds, with spherical harmonics of the trained degree; points with colours for viewers without the "
+          "extension",
+      .loses = "what preview-3dgs loses; the extension has no flat kernel (the third scale is 1e-6 scene units)",
       .write = write_gaussians_glb};
 }
 

@@ -218,8 +218,14 @@ TEST_F(MoreFormats, GaussiansGlbHasTheExtensionsAttributes) {
   const char* binary = bytes.data() + 28 + text;
   const json& primitive = doc["meshes"][0]["primitives"][0];
   EXPECT_EQ(primitive["mode"], 0);
-  EXPECT_EQ(primitive["extensions"]["KHR_gaussian_splatting"]["kernel"], "ellipse");
-  EXPECT_EQ(primitive["extensions"]["KHR_gaussian_splatting"]["colorSpace"], "srgb_rec709_display");
+  // The properties of the ratified extension and their values; the first two are required.
+  const json properties = {{"kernel", "ellipse"},
+                           {"colorSpace", "srgb_rec709_display"},
+                           {"projection", "perspective"},
+                           {"sortingMethod", "cameraDistance"}};
+  EXPECT_EQ(primitive["extensions"]["KHR_gaussian_splatting"], properties);
+  EXPECT_EQ(doc["extensionsUsed"], json::array({"KHR_gaussian_splatting"}));
+  EXPECT_FALSE(doc.contains("extensionsRequired")) << "viewers without the extension show points";
   const auto first = [&](const std::string& name, const std::string& type, size_t row) {
     const json& a = doc["accessors"][primitive["attributes"].at(name).get<size_t>()];
     EXPECT_EQ(a["type"], type) << name;
@@ -239,6 +245,13 @@ TEST_F(MoreFormats, GaussiansGlbHasTheExtensionsAttributes) {
   const auto q = first(prefix + "ROTATION", "VEC4", row);  // x y z w; the floor's disks lie in x z, normal +y
   const Mat3f r = rotation_matrix(Quatf{q[3], q[0], q[1], q[2]});
   EXPECT_NEAR(std::abs(r.c2.y), 1, 1e-5);
+  for (size_t i = 0; i < scene_.diffuse.size(); ++i) {
+    const auto unit = first(prefix + "ROTATION", "VEC4", i), scale = first(prefix + "SCALE", "VEC3", i),
+               opacity = first(prefix + "OPACITY", "SCALAR", i);
+    ASSERT_NEAR(std::hypot(std::hypot(unit[0], unit[1]), std::hypot(unit[2], unit[3])), 1, 1e-5);
+    ASSERT_GE(*std::ranges::min_element(scale), 0);
+    ASSERT_TRUE(opacity[0] >= 0 && opacity[0] <= 1);
+  }
   // The same colours as preview_3dgs.ply; degree 1 is complete.
   for (int m = 0; m < 3; ++m) first(fmt::format("{}SH_DEGREE_1_COEF_{}", prefix, m), "VEC3", row);
   EXPECT_FALSE(primitive["attributes"].contains(prefix + "SH_DEGREE_2_COEF_0"));
