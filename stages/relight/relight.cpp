@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/ranges.h>
+
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
@@ -43,6 +45,48 @@ Lighting chosen_lighting(const RelightConfig& config, StageContext& context, con
   lighting.environment = lighting.environment.rotated(config.rotate);
   if (lights) read_lamps(*lights, lighting);
   return lighting;
+}
+
+// A light that cannot give a picture. A mistake in the file of lamps is one of usage, as others in it.
+[[noreturn]] void throw_no_light(StageContext& context, std::string why) {
+  const auto environment = context.optional_input("env"), lights = context.optional_input("lights");
+  std::string where = lights ? lights->string() : environment ? environment->string() : std::string("the light of the photos");
+  throw Error(lights ? ErrorKind::Usage : ErrorKind::Input, "this light does not reach the scene: all pictures would be black",
+              {.where = std::move(where),
+               .why = std::move(why),
+               .hint = lights ? "place lamps where the cameras were, facing the origin (stages/relight/README.md), or add --env"
+                              : "give another environment (--env) or lamps (--lights)",
+               .code = "LIGHT_NONE"});
+}
+
+// Refuses light that cannot reach the scene, and warns of lamps that add nothing to it.
+void check_lighting(const Lighting& lighting, const RelitScene& scene, StageContext& context) {
+  std::vector<Vec3f> points = scene.mesh.positions;
+  for (const TriMesh* mesh : {&scene.behind_glass, &scene.surroundings})
+    points.insert(points.end(), mesh->positions.begin(), mesh->positions.end());
+  std::vector<std::string> idle;
+  for (size_t lamp = 0; lamp < lighting.lamps(); ++lamp)
+    if (const std::string reason = lighting.idle_reason(lamp, points); !reason.empty())
+      idle.push_back(fmt::format("{}: {}", lighting.places[lamp], reason));
+  const auto environment = context.optional_input("env");
+  const bool black = lighting.environment.black();
+  if (black && environment) {
+    const std::string text = fmt::format("no texel of {} is brighter than 0", environment->filename().string());
+    if (idle.size() == lighting.lamps()) throw_no_light(context, text);
+    context.warning("ENV_BLACK", text + ": the lamps alone light the scene");
+  }
+  if (black && idle.size() == lighting.lamps())
+    throw_no_light(context, idle.empty() ? "it has no radiance" : fmt::format("{}", fmt::join(idle, "\n")));
+  for (const std::string& lamp : idle) context.warning("LAMP_IDLE", "a lamp lights nothing: " + lamp);
+}
+
+// All light may end in shadows: known once it is on the scene.
+void check_shadows(const Lighting& lighting, const LitScene& lit, StageContext& context) {
+  const auto is_lit = [](const Vec3f& e) { return std::max({e.x, e.y, e.z}) > 0; };
+  if (std::ranges::any_of(lit.irradiance(), is_lit)) return;
+  const std::string why = "every surface lies in shadow, or shows its back to the light";
+  if (lighting.environment.black()) throw_no_light(context, why);
+  context.warning("LIGHT_NONE", why + ": the pictures show the environment alone");
 }
 
 std::vector<View> chosen_views(const RelightConfig& config, const StageContext& context) {
@@ -135,9 +179,10 @@ void run_relight(const RelightConfig& config, StageContext& context) {
                                        .mesh = context.input("mesh"),
                                        .decompose = context.input("decompose")});
   const Lighting lighting = chosen_lighting(config, context, scene);
+  check_lighting(lighting, scene, context);
   const auto environment = context.optional_input("env");
   const float brightest = lighting.environment.map().empty() ? 0.f : *std::ranges::max_element(lighting.environment.map().data());
-  if (environment && brightest <= 1)
+  if (environment && brightest > 0 && brightest <= 1)
     context.warning("ENV_LOW_RANGE", fmt::format("no texel of {} is brighter than 1: was it made from a display picture?",
                                                  environment->filename().string()));
   const bool glass = scene.trained.surfels.transmittance.size() > 0;
@@ -145,6 +190,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
   RelitPainter painter(std::move(scene));
   context.progress({.fraction = 0, .text = "light on the scene", .values = {}});
   painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
+  check_shadows(lighting, painter.lit(), context);
 
   const double exposure = config.exposure + (config.auto_exposure ? exposure_of_scene(painter.lit()) : 0);
   std::vector<View> views = all_views;

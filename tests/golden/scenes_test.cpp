@@ -82,6 +82,11 @@ TEST_F(GoldenMessagesOfScenes, AboutPicturesAndLights) {
   told("mistakes in lights", relit({"-i", "lights=" + put("lights.yaml",
                                                           "lights:\n  - {type: pont, position: [0, 0, 2]}\n"
                                                           "  - {type: point, position: [0, 0], intensity: -1}\n")}));
+  told("no lamp in the lights", relit({"-i", "lights=" + put("none.yaml", "lights: []\n")}));
+  told("a lamp that is off",
+       relit({"-i", "lights=" + put("off.yaml", "lights:\n  - {type: point, position: [0, 0, 2], intensity: 0}\n")}));
+  write_exr_rgb(folder.path() / "black.exr", ImageF(16, 8, 3));
+  told("a black environment", env("black.exr"));
   told("materials of another scene", words("vitrine-relight",
                                            {"sfm=sfm", "optimize=optimize", "mesh=mesh",
                                             "decompose=" + damaged("decompose", "decompose/materials.ply", "ply\n")},

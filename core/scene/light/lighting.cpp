@@ -47,6 +47,19 @@ LampSample Lighting::sample_lamp(size_t lamp, const Vec3f& point, const Vec2f& u
   return {d / r, r, light.radiance, r * r / (facing * light.area())};
 }
 
+std::string Lighting::idle_reason(size_t lamp, std::span<const Vec3f> lit) const {
+  const bool sharp = lamp < sharp_lamps(), point = lamp < points.size();
+  const Vec3f light = point   ? points[lamp].intensity
+                      : sharp ? directionals[lamp - points.size()].irradiance
+                              : areas[lamp - sharp_lamps()].radiance;
+  if (!(std::max({light.x, light.y, light.z}) > 0))
+    return fmt::format("its {} is 0", point ? "intensity" : sharp ? "irradiance" : "radiance");
+  if (sharp) return {};
+  const AreaLight& area = areas[lamp - sharp_lamps()];
+  const bool faces = std::ranges::any_of(lit, [&](const Vec3f& p) { return dot(p - area.center, area.normal) > 0; });
+  return faces ? "" : "it faces away from the whole scene: the sign of 'facing'?";
+}
+
 namespace {
 
 // Parses one lamp. Errors are collected; a default value replaces a wrong one.
@@ -131,6 +144,19 @@ void add_lamp(YamlReader& reader, const YamlNode& node, Lighting& out) {
   }
 }
 
+// Lamps are stored by type, and their places in the same order.
+void add_lamps(YamlReader& reader, const std::vector<YamlNode>& list, Lighting& out) {
+  std::vector<std::string> points, directionals, areas;
+  for (const YamlNode& lamp : list) {
+    const size_t before[] = {out.points.size(), out.directionals.size()}, lamps = out.lamps();
+    add_lamp(reader, lamp, out);
+    if (out.lamps() == lamps) continue;
+    auto& places = out.points.size() > before[0] ? points : out.directionals.size() > before[1] ? directionals : areas;
+    places.push_back(fmt::format("{}:{}:{}", reader.name(), lamp.mark.line, lamp.mark.column));
+  }
+  for (const auto* places : {&points, &directionals, &areas}) out.places.insert(out.places.end(), places->begin(), places->end());
+}
+
 }  // namespace
 
 void parse_lamps(std::string_view text, const std::string& name, Lighting& lighting) {
@@ -138,8 +164,10 @@ void parse_lamps(std::string_view text, const std::string& name, Lighting& light
   const YamlNode* list = reader.root().find("lights");
   if (list == nullptr || list->kind != YamlNode::Kind::List)
     reader.complain(list != nullptr ? *list : reader.root(), "a list `lights:` is wanted");
+  else if (list->items.empty())
+    reader.complain(*list, "this list has no lamp, and lights nothing");
   else
-    for (const YamlNode& lamp : list->items) add_lamp(reader, lamp, lighting);
+    add_lamps(reader, list->items, lighting);
   reader.finish("core/scene/light/lighting.h and stages/relight/README.md show a file with one light of each type");
 }
 

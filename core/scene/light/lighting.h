@@ -11,6 +11,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -51,15 +53,22 @@ struct Lighting {
   std::vector<DirectionalLight> directionals;
   std::vector<AreaLight> areas;
 
+  std::vector<std::string> places = {};  // of each lamp in its file: "lamps.yaml:3:5"; empty for lamps that no file gives
+
   // Order: points, directionals, areas. The first sharp_lamps() cast hard shadows: one sample is exact.
   size_t lamps() const { return points.size() + directionals.size() + areas.size(); }
   size_t sharp_lamps() const { return points.size() + directionals.size(); }
   LampSample sample_lamp(size_t lamp, const Vec3f& point, const Vec2f& uniform) const;
 
+  // Reason why the lamp lights none of the points: it is black, or they all lie behind it. Empty: it lights some of them, unless
+  // they are in shadow.
+  std::string idle_reason(size_t lamp, std::span<const Vec3f> points) const;
+
   static constexpr float kFar = 1e30f;
 };
 
-// Adds the lamps of a file. Throws Error{Usage} with line and column, Error{Input} if the file does not exist.
+// Adds the lamps of a file. Throws Error{Usage} with line and column, also for a file without lamps; Error{Input} if the file
+// does not exist.
 void read_lamps(const std::filesystem::path& path, Lighting& lighting);
 void parse_lamps(std::string_view text, const std::string& name, Lighting& lighting);
 

@@ -143,6 +143,47 @@ TEST_F(RelightStage, LampsAloneLightTheScene) {
   EXPECT_GT(picture.at(32, 24, 0), 0.3);
 }
 
+// Black pictures are never written.
+TEST_F(RelightStage, LightThatLightsNothingIsRefused) {
+  const fs::path lamps = folder.path() / "lamps.yaml", map = folder.path() / "night.exr";
+  const auto error_of_lamps = [&](const std::string& text) {
+    write_file(lamps, "lights:" + text);
+    return error_with({{"lights", lamps}});
+  };
+  EXPECT_NE(std::string(error_of_lamps(" []\n").what()).find("lamps.yaml:1:9: error: this list has no lamp"), std::string::npos);
+  // The ball lies around the origin; its mesh has a radius of 0.4.
+  const std::pair<std::string, std::string> idle[] = {
+      {"\n  - {type: point, position: [1, 0, 0], intensity: 0}\n", "lamps.yaml:2:5: its intensity is 0"},
+      {"\n  - {type: rectangle, center: [1, 0, 0], facing: [1, 0, 0], size: [1, 1], radiance: 5}\n", "faces away"},
+      {"\n  - {type: point, position: [0, 0, 0], intensity: 5}\n", "every surface lies in shadow, or shows its back"}};
+  for (const auto& [text, why] : idle) {
+    const Error e = error_of_lamps(text);
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << text;
+    EXPECT_EQ(e.detail().code, "LIGHT_NONE") << text;
+    EXPECT_NE(e.detail().why.find(why), std::string::npos) << e.what();
+  }
+  for (const float radiance : {0.f, -1.f}) {
+    write_exr_rgb(map, ImageF(16, 8, 3, radiance), ExrPrecision::Float);
+    const Error e = error_with({{"env", map}});
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_EQ(e.detail().code, "LIGHT_NONE");
+    EXPECT_NE(e.detail().why.find("no texel of night.exr is brighter than 0"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(RelightStage, LampsThatAddNothingAreNamed) {
+  const fs::path lamps = folder.path() / "lamps.yaml", map = folder.path() / "night.exr";
+  write_exr_rgb(map, ImageF(16, 8, 3), ExrPrecision::Float);
+  write_file(lamps,
+             "lights:\n  - {type: point, position: [1, 0, 0], intensity: 1}\n"
+             "  - {type: disc, center: [1, 0, 0], facing: [1, 0, 0], radius: 1, radiance: 5}\n");
+  RecordingContext context(inputs({{"lights", lamps}, {"env", map}}));
+  run_relight({.width = 16, .height = 12, .samples = 1}, context);
+  EXPECT_NE(context.warnings["LAMP_IDLE"].find("lamps.yaml:3:5: it faces away"), std::string::npos);
+  EXPECT_TRUE(context.warnings.contains("ENV_BLACK"));
+  EXPECT_FALSE(context.warnings.contains("ENV_LOW_RANGE"));
+}
+
 // As resampling leaves them around lamps, in maps that people share.
 TEST_F(RelightStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
   ImageF map(16, 8, 3, 2.f);

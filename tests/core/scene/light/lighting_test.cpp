@@ -44,6 +44,27 @@ TEST(Lamps, AreaSamplesLieOnTheLightAndRaysMeetIt) {
   EXPECT_FALSE(disc.hit({0, 0, 4}, {0, 0, -1}).has_value());                        // from behind
 }
 
+TEST(Lamps, KnowTheirPlaceAndWhetherTheyLightAnything) {
+  Lighting l;
+  parse_lamps(
+      "lights:\n"
+      "  - {type: disc, center: [0, 0, 2], facing: [0, 0, 1], radius: 0.5, radiance: 1}\n"
+      "  - {type: point, position: [0, 0, 2], intensity: [0, 0, 0]}\n"
+      "  - {type: rectangle, center: [0, 0, 2], facing: [0, 0, -1], size: [1, 1], radiance: 1}\n"
+      "  - {type: directional, from: [0, 0, 1], irradiance: 0}\n"
+      "  - {type: point, position: [0, 0, 2], intensity: [0, 0, 1]}\n",
+      "x.yaml", l);
+  EXPECT_EQ(l.places, (std::vector<std::string>{"x.yaml:3:5", "x.yaml:6:5", "x.yaml:5:5", "x.yaml:2:5", "x.yaml:4:5"}));
+  const std::vector<Vec3f> floor{{0, 0, 0}, {3, 0, 0}}, ceiling{{0, 0, 3}};
+  EXPECT_EQ(l.idle_reason(0, floor), "its intensity is 0");
+  EXPECT_EQ(l.idle_reason(1, floor), "");
+  EXPECT_EQ(l.idle_reason(2, floor), "its irradiance is 0");
+  EXPECT_NE(l.idle_reason(3, floor).find("faces away"), std::string::npos);
+  EXPECT_EQ(l.idle_reason(3, ceiling), "");
+  EXPECT_EQ(l.idle_reason(4, floor), "");
+  EXPECT_NE(l.idle_reason(4, ceiling).find("faces away"), std::string::npos);
+}
+
 TEST(Lamps, MistakesAreShownWithTheirLine) {
   const auto text_of = [](const char* lamp) {
     Lighting l;
@@ -61,7 +82,11 @@ TEST(Lamps, MistakesAreShownWithTheirLine) {
   EXPECT_NE(text_of("{type: directional, from: [0, 0, 1], irradiance: -1}").find("must not be negative"), std::string::npos);
   EXPECT_NE(text_of("{type: disc, center: [0, 0, 0], facing: [0, 0, 1], radius: 0, radiance: 1}").find("above 0"),
             std::string::npos);
+  EXPECT_NE(text_of("{type: point, position: [0, 0, 1]}").find("needs 'intensity'"), std::string::npos);
   Lighting l;
+  const Error none = error_of([&] { parse_lamps("lights: []\n", "my.yaml", l); });
+  EXPECT_EQ(none.kind(), ErrorKind::Usage);
+  EXPECT_NE(std::string(none.what()).find("my.yaml:1:9: error: this list has no lamp"), std::string::npos) << none.what();
   EXPECT_EQ(error_of([&] { parse_lamps("", "empty.yaml", l); }).kind(), ErrorKind::Usage);
   EXPECT_EQ(error_of([&] { read_lamps("/nowhere/x.yaml", l); }).kind(), ErrorKind::Input);
 }
