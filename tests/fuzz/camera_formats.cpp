@@ -43,12 +43,48 @@ std::string joined(const ColmapModel& model, bool binary) {
                 : text_of(model.cameras) + mark + text_of(model.images) + mark + text_of(model.points);
 }
 
+// A rig of both cameras with an IMU, and a frame with the images 1 and 2; another frame with image 3, without a rig in the file.
+std::string rig_parts(bool binary) {
+  const std::string mark(kPartMark);
+  if (!binary)
+    return mark + "1 3 CAMERA 1 CAMERA 2 1 1 0 0 0.1 -0.2 0 0 IMU 1 0\n" + mark +
+           "1 1 1 0 0 0 0.1 0 2 3 CAMERA 1 1 CAMERA 2 2 IMU 1 5\n2 9 1 0 0 0 0.2 0 2 1 CAMERA 2 3\n";
+  std::string out;
+  const auto put = [&](auto v) { out.append(reinterpret_cast<const char*>(&v), sizeof v); };
+  const auto pose = [&](double x) {
+    for (const double v : {1.0, 0.0, 0.0, 0.1, x, 0.0, 2.0}) put(v);
+  };
+  const auto sensor = [&](int32_t type, uint32_t id) { put(type), put(id); };
+  put(uint64_t{1}), put(1u), put(3u), sensor(0, 1);
+  sensor(0, 2), put(uint8_t{1}), pose(-0.2);
+  sensor(1, 1), put(uint8_t{0});
+  out += mark;
+  put(uint64_t{2});
+  put(1u), put(1u), pose(0.1), put(3u);
+  sensor(0, 1), put(uint64_t{1}), sensor(0, 2), put(uint64_t{2}), sensor(1, 1), put(uint64_t{5});
+  put(2u), put(9u), pose(0.2), put(1u), sensor(0, 2), put(uint64_t{3});
+  return mark + out;
+}
+
+// The poses of the images are in the frames.
+std::string joined_with_rigs(bool binary) {
+  ColmapModel model = small_model();
+  for (ColmapImage& image : model.images) image.rotation = {0, 0, 0, 0};
+  return joined(model, binary) + rig_parts(binary);
+}
+
 void read_model(std::span<const uint8_t> bytes, const char* folder, const char* extension) {
   std::error_code ec;
   fs::create_directories(fuzz_folder() / folder, ec);
-  const auto parts = parts_of(bytes, 3);
-  const char* names[] = {"cameras", "images", "points3D"};
-  for (size_t i = 0; i < 3; ++i) input_file(fmt::format("{}/{}.{}", folder, names[i], extension), parts[i]);
+  const auto parts = parts_of(bytes, 5);
+  const char* names[] = {"cameras", "images", "points3D", "rigs", "frames"};
+  for (size_t i = 0; i < 5; ++i) {
+    const std::string name = fmt::format("{}/{}.{}", folder, names[i], extension);
+    if (i < 3 || !parts[i].empty())
+      input_file(name, parts[i]);
+    else
+      fs::remove(fuzz_folder() / name, ec);
+  }
   refuses_or_reads([&] { read_given_poses(fuzz_folder() / folder, photos(), 0); });
 }
 
@@ -83,10 +119,10 @@ std::vector<std::string> colmap_binary_corpus() {
   ColmapModel bare = small_model();
   bare.points.clear();
   for (ColmapImage& image : bare.images) image.points.clear();
-  return {joined(small_model(), true), joined(bare, true)};
+  return {joined(small_model(), true), joined(bare, true), joined_with_rigs(true)};
 }
 
-std::vector<std::string> colmap_text_corpus() { return {joined(small_model(), false)}; }
+std::vector<std::string> colmap_text_corpus() { return {joined(small_model(), false), joined_with_rigs(false)}; }
 
 std::vector<std::string> transforms_corpus() {
   std::vector<View> views;

@@ -2,7 +2,11 @@
 // cameras.bin:  u64 N, each: u32 id, i32 model, u64 width, u64 height, f64 params[k]
 // images.bin:   u64 N, each: u32 id, f64 q[wxyz], f64 t[3], u32 camera, name, '\0', u64 M, M x {f64 x, f64 y, u64 point}
 // points3D.bin: u64 N, each: u64 id, f64 xyz[3], u8 rgb[3], f64 error, u64 L, L x {u32 image, u32 index}
-// Little-endian, no padding.
+// rigs.bin:     u64 N, each: u32 id, u32 S, if S > 0: i32 type, u32 sensor of the reference, (S - 1) x {i32 type, u32 sensor, u8
+// posed,
+//               if posed: f64 q[wxyz], f64 t[3]}
+// frames.bin:   u64 N, each: u32 id, u32 rig, f64 q[wxyz], f64 t[3], u32 D, D x {i32 type, u32 sensor, u64 image}
+// Types: 0 camera, 1 IMU. Little-endian, no padding.
 #include <bit>
 #include <cstring>
 
@@ -36,14 +40,15 @@ class Reader {
     at_ += items.size() * sizeof(T);
   }
   // Reads a count of items of at least `item_bytes` each; the items must fit into the rest of the file.
+  template <class Count = uint64_t>
   size_t count(size_t item_bytes, const char* what) {
-    const auto n = value<uint64_t>(what);
+    const auto n = value<Count>(what);
     const size_t left = bytes_.size() - at_;
     if (n > left / item_bytes)
       throw Malformed{
           fmt::format("at byte {} it announces {} {}, which need at least {} bytes each, but only {} bytes follow: "
                       "the file is truncated or damaged",
-                      at_ - sizeof(uint64_t), n, what, item_bytes, left)};
+                      at_ - sizeof(Count), n, what, item_bytes, left)};
     return static_cast<size_t>(n);
   }
   std::string zero_terminated(const char* what) {
@@ -67,6 +72,13 @@ class Reader {
   std::string_view bytes_;
   size_t at_ = 0;
 };
+
+constexpr int32_t kCameraSensor = 0;
+
+void read_pose(Reader& in, Quatd& rotation, Vec3d& translation) {
+  for (double* v : {&rotation.w, &rotation.x, &rotation.y, &rotation.z, &translation.x, &translation.y, &translation.z})
+    *v = in.value<double>("a pose");
+}
 
 template <class T>
 void append(std::string& out, const T& value) {
@@ -101,9 +113,7 @@ std::vector<ColmapImage> images_from_binary(std::string_view bytes) {
   std::vector<ColmapImage> images(in.count(4 + 7 * 8 + 4 + 1 + 8, "images"));
   for (ColmapImage& image : images) {
     image.id = in.value<uint32_t>("an image id");
-    for (double* v : {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z, &image.translation.x,
-                      &image.translation.y, &image.translation.z})
-      *v = in.value<double>("a pose");
+    read_pose(in, image.rotation, image.translation);
     image.camera_id = in.value<uint32_t>("a camera id");
     image.name = in.zero_terminated("image name");
     image.points.resize(in.count(24, "2D points"));
@@ -127,6 +137,43 @@ std::vector<ColmapPoint3D> points_from_binary(std::string_view bytes) {
   }
   in.expect_end();
   return points;
+}
+
+std::vector<Rig> rigs_from_binary(std::string_view bytes) {
+  Reader in(bytes);
+  std::vector<Rig> rigs(in.count(4 + 4, "rigs"));
+  for (Rig& rig : rigs) {
+    rig.id = in.value<uint32_t>("a rig id");
+    rig.sensors.resize(in.count<uint32_t>(4 + 4, "sensors"));
+    for (Sensor& sensor : rig.sensors) {
+      sensor.is_camera = in.value<int32_t>("a type of sensor") == kCameraSensor;
+      sensor.id = in.value<uint32_t>("a sensor id");
+      if (&sensor == rig.sensors.data()) continue;  // the reference
+      sensor.has_pose = in.value<uint8_t>("a sensor") != 0;
+      if (sensor.has_pose) read_pose(in, sensor.rotation, sensor.translation);
+    }
+  }
+  in.expect_end();
+  return rigs;
+}
+
+std::vector<Frame> frames_from_binary(std::string_view bytes) {
+  Reader in(bytes);
+  std::vector<Frame> frames(in.count(4 + 4 + 7 * 8 + 4, "frames"));
+  for (Frame& frame : frames) {
+    frame.id = in.value<uint32_t>("a frame id");
+    frame.rig_id = in.value<uint32_t>("a rig id");
+    read_pose(in, frame.rotation, frame.translation);
+    for (size_t left = in.count<uint32_t>(4 + 4 + 8, "images of a frame"); left > 0; --left) {
+      const bool is_camera = in.value<int32_t>("a type of sensor") == kCameraSensor;
+      FrameImage image;
+      image.camera_id = in.value<uint32_t>("a sensor id");
+      image.image_id = in.value<uint64_t>("an image id");
+      if (is_camera) frame.images.push_back(image);
+    }
+  }
+  in.expect_end();
+  return frames;
 }
 
 std::string binary_of(const std::vector<ColmapCamera>& cameras) {

@@ -79,6 +79,25 @@ std::vector<T> read_part(const fs::path& path, std::vector<T> (*from_binary)(std
   }
 }
 
+// Gives images without poses those of their frames. Damaged rigs and frames are ignored, with a warning, if no image needs them.
+void read_frames(ColmapModel& model, const fs::path& rigs, const fs::path& frames) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(frames, ignored)) return;
+  try {
+    std::vector<colmap::Rig> read_rigs;
+    if (fs::is_regular_file(rigs, ignored)) read_rigs = read_part(rigs, colmap::rigs_from_binary, colmap::rigs_from_text);
+    const auto read = read_part(frames, colmap::frames_from_binary, colmap::frames_from_text);
+    try {
+      colmap::take_poses_of_frames(model.images, read_rigs, read);
+    } catch (const colmap::Malformed& malformed) {
+      throw_damaged(frames, malformed.why);
+    }
+  } catch (const Error& e) {
+    if (colmap::lack_poses(model.images) || e.detail().code != "COLMAP_MODEL_DAMAGED") throw;
+    log_warning("{} is not used: {}; the images have poses of their own", e.detail().where, e.detail().why);
+  }
+}
+
 template <class T>
 void sort_and_require_unique_ids(std::vector<T>& items, const fs::path& where, const char* what) {
   const auto by_id = [](const T& a, const T& b) { return a.id < b.id; };
@@ -229,6 +248,7 @@ ColmapModel read_colmap_parts(const fs::path& folder, ColmapFormat preferred) {
   ColmapModel model;
   model.cameras = read_part(path_of("cameras"), colmap::cameras_from_binary, colmap::cameras_from_text);
   model.images = read_part(path_of("images"), colmap::images_from_binary, colmap::images_from_text);
+  read_frames(model, path_of("rigs"), path_of("frames"));
   const fs::path points = path_of("points3D");
   if (fs::exists(points))
     model.points = read_part(points, colmap::points_from_binary, colmap::points_from_text);

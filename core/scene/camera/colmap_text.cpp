@@ -2,6 +2,8 @@
 // cameras.txt:  CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
 // images.txt:   two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then (X Y POINT3D_ID)*, possibly empty
 // points3D.txt: POINT3D_ID X Y Z R G B ERROR (IMAGE_ID POINT2D_IDX)*
+// rigs.txt:     RIG_ID NUM_SENSORS REF_TYPE REF_ID (TYPE SENSOR_ID HAS_POSE [QW QX QY QZ TX TY TZ])*
+// frames.txt:   FRAME_ID RIG_ID QW QX QY QZ TX TY TZ NUM_DATA (TYPE SENSOR_ID IMAGE_ID)*, types CAMERA and IMU
 // Lines that start with # are comments. Point id -1 means none. The name is the rest of its line and may contain spaces.
 // Integers may have a decimal point ("320.0"), as in COLMAP. Scripts omit the lines of 2D points: a line that cannot be such a
 // list and starts like an image is the next image.
@@ -101,6 +103,11 @@ class Fields {
   size_t line_number_;
 };
 
+void read_pose(Fields& fields, Quatd& rotation, Vec3d& translation) {
+  for (double* v : {&rotation.w, &rotation.x, &rotation.y, &rotation.z, &translation.x, &translation.y, &translation.z})
+    *v = fields.number<double>("a number of the pose");
+}
+
 // True for at least ten fields of which the tenth (the name) is not a number: not a list of 2D points.
 bool begins_an_image(std::string_view line) {
   Fields fields(line, 0);
@@ -153,9 +160,7 @@ std::vector<ColmapImage> images_from_text(std::string_view text) {
     Fields fields(line, lines.number());
     ColmapImage image;
     image.id = fields.number<uint32_t>("an image id");
-    for (double* v : {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z, &image.translation.x,
-                      &image.translation.y, &image.translation.z})
-      *v = fields.number<double>("a number of the pose");
+    read_pose(fields, image.rotation, image.translation);
     image.camera_id = fields.number<uint32_t>("a camera id");
     image.name = fields.rest("the image name");
     const bool more = lines.next(line);
@@ -195,6 +200,51 @@ std::vector<ColmapPoint3D> points_from_text(std::string_view text) {
     points.push_back(std::move(p));
   }
   return points;
+}
+
+std::vector<Rig> rigs_from_text(std::string_view text) {
+  std::vector<Rig> rigs;
+  Lines lines(text);
+  std::string_view line;
+  while (lines.next_record(line)) {
+    Fields fields(line, lines.number());
+    Rig rig;
+    rig.id = fields.number<uint32_t>("a rig id");
+    for (auto left = fields.number<uint32_t>("a number of sensors"); left > 0; --left) {
+      Sensor sensor;
+      sensor.is_camera = fields.word("a type of sensor") == "CAMERA";
+      sensor.id = fields.number<uint32_t>("a sensor id");
+      if (!rig.sensors.empty()) {  // the reference has no pose
+        sensor.has_pose = fields.number<uint32_t>("0 or 1") != 0;
+        if (sensor.has_pose) read_pose(fields, sensor.rotation, sensor.translation);
+      }
+      rig.sensors.push_back(sensor);
+    }
+    rigs.push_back(std::move(rig));
+  }
+  return rigs;
+}
+
+std::vector<Frame> frames_from_text(std::string_view text) {
+  std::vector<Frame> frames;
+  Lines lines(text);
+  std::string_view line;
+  while (lines.next_record(line)) {
+    Fields fields(line, lines.number());
+    Frame frame;
+    frame.id = fields.number<uint32_t>("a frame id");
+    frame.rig_id = fields.number<uint32_t>("a rig id");
+    read_pose(fields, frame.rotation, frame.translation);
+    for (auto left = fields.number<uint32_t>("a number of images"); left > 0; --left) {
+      const bool is_camera = fields.word("a type of sensor") == "CAMERA";
+      FrameImage image;
+      image.camera_id = fields.number<uint32_t>("a sensor id");
+      image.image_id = fields.number<uint64_t>("an image id");
+      if (is_camera) frame.images.push_back(image);
+    }
+    frames.push_back(std::move(frame));
+  }
+  return frames;
 }
 
 std::string text_of(const std::vector<ColmapCamera>& cameras) {
