@@ -41,6 +41,14 @@ Lens lens_of(const ColmapCamera& camera) {
       break;
   }
   const ColmapCameraType* type = colmap_camera_type(camera.model_id);
+  if (type && type->name == "EQUIRECTANGULAR")
+    throw Error(ErrorKind::Input, "the poses are of 360-degree panoramas",
+                {.where = fmt::format("camera {}", camera.id),
+                 .why = fmt::format("its model is EQUIRECTANGULAR ({} x {}): no pinhole camera shows all directions",
+                                    camera.width, camera.height),
+                 .hint = "cut the panoramas into pinhole views and give these photos with their poses: a perspective mode of "
+                         "python/examples/panorama_sfm.py of COLMAP writes both",
+                 .code = "CAMERA_MODEL_PANORAMA"});
   throw Error(
       ErrorKind::Input, "this camera model cannot be undistorted",
       {.where = fmt::format("camera {}", camera.id),

@@ -196,6 +196,11 @@ const ColmapCameraType& known_camera_type(int model_id) {
 
 const ColmapCameraType& known_camera_type(std::string_view name) {
   if (const ColmapCameraType* type = colmap_camera_type(name)) return *type;
+  if (name == "SPHERE" || name == "SPHERICAL")
+    throw Malformed{
+        fmt::format("camera model '{}' of a fork of COLMAP is of 360-degree panoramas: cut them into pinhole views and "
+                    "give poses of these",
+                    name)};
   throw Malformed{
       fmt::format("camera model '{}' is unknown: the models of COLMAP up to 4.1 can be read; a COLMAP newer than "
                   "4.1 and a vitrine that knows it are needed, or the file is damaged",

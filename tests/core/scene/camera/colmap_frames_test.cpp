@@ -235,5 +235,27 @@ TEST(ColmapFrames, OfDamagedFilesMatterToImagesWithoutPosesAlone) {
     }
 }
 
+TEST(ColmapCamera, OfAPanoramaIsReadAndRefusedAtUseWithAWayOut) {
+  for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text}) {
+    const TemporaryFolder folder;
+    ColmapModel m = rig_model();
+    for (ColmapCamera& camera : m.cameras) camera = {camera.id, 17, 128, 64, {128, 64}};
+    write_colmap_model(folder.path(), m, format);
+    const ColmapModel read = read_colmap_model(folder.path(), format);
+    EXPECT_EQ(read, m);
+    try {
+      project(read.cameras[0], {0, 0});
+      ADD_FAILURE() << "a panorama was projected as a pinhole camera";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::Input);
+      EXPECT_EQ(e.detail().code, "CAMERA_MODEL_PANORAMA");
+      EXPECT_NE(e.detail().why.find("EQUIRECTANGULAR (128 x 64)"), std::string::npos);
+      EXPECT_NE(e.detail().hint.find("pinhole views"), std::string::npos);
+    }
+    write_file(folder.path() / "cameras.txt", "2 SPHERE 128 64 1 64 32\n");
+    EXPECT_NE(why_not(folder.path(), ColmapFormat::Text).find("360-degree panoramas"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace vitrine
