@@ -28,6 +28,8 @@ struct StageInput {
   std::vector<std::string> skips = {};  // external inputs: ignored file extensions (".yaml"); those files belong to other stages
   // Expands a path, for example one file of a COLMAP model to the whole model, which then enters the key.
   std::filesystem::path (*meant)(const std::filesystem::path&) = nullptr;
+  // External inputs: files that a given file refers to and that the stage reads with it; their content enters the key, too.
+  std::vector<std::filesystem::path> (*also)(const std::filesystem::path&) = nullptr;
 };
 
 struct StageInfo {

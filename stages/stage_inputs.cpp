@@ -45,6 +45,16 @@ ResolvedInput resolve_artifact(const StageInfo& info, const std::string& name, f
   return {path, manifest.content_digest};
 }
 
+// The digest of a path, and of the files that it refers to, by their paths from its folder.
+std::string external_digest(const StageInput& input, const fs::path& path, DigestCache& digests) {
+  const std::vector<fs::path> also = input.also != nullptr ? input.also(path) : std::vector<fs::path>{};
+  if (also.empty()) return digests.digest_tree(path);
+  std::vector<OutputFile> files{{path.filename().generic_string(), 0, digests.digest_tree(path)}};
+  for (const fs::path& file : also)
+    files.push_back({file.lexically_relative(path.parent_path()).generic_string(), 0, digests.digest(file)});
+  return content_digest_of(files);
+}
+
 }  // namespace
 
 std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const std::vector<std::string>& words,
@@ -67,7 +77,8 @@ std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const
     if (inputs.contains(name))
       throw Error(ErrorKind::Usage, fmt::format("input '{}' is given twice", name),
                   {.where = "--input", .hint = "leave one of them out", .code = "BAD_INPUT_NAME"});
-    inputs[name] = input.artifact ? resolve_artifact(info, name, path, digests) : ResolvedInput{path, digests.digest_tree(path)};
+    inputs[name] =
+        input.artifact ? resolve_artifact(info, name, path, digests) : ResolvedInput{path, external_digest(input, path, digests)};
   }
   for (const StageInput& input : info.inputs)
     if (!input.optional && !inputs.contains(input.name))

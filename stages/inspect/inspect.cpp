@@ -138,7 +138,11 @@ Stage inspect_stage() {
        .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
        .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."},
                   {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"},
-                  {.name = "masks", .artifact = false, .optional = true, .doc = "masks that the run will be given"}}},
+                  {.name = "masks",
+                   .artifact = false,
+                   .optional = true,
+                   .doc = "masks that the run will be given",
+                   .also = files_of_mask_list}}},
       &run);
 }
 

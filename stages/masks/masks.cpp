@@ -8,6 +8,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
 #include "core/foundation/config/yaml.h"
+#include "core/intake/masks/mask_files.h"
 #include "core/intake/poses/photo_orientation.h"
 #include "stages/masks/outputs.h"
 #include "stages/training_cost.h"
@@ -271,7 +272,8 @@ Stage masks_stage() {
                   .artifact = false,
                   .optional = true,
                   .doc =
-                      "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"},
+                      "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks",
+                  .also = files_of_mask_list},
                  {.name = "mask_network",
                   .artifact = false,
                   .optional = true,

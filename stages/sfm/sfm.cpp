@@ -9,6 +9,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
 #include "core/intake/poses/given_poses.h"
+#include "core/intake/masks/mask_files.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/pose_check.h"
 #include "core/intake/poses/pose_files.h"
@@ -348,7 +349,8 @@ Stage sfm_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore",
-                             .skips = {".yaml", ".yml"}}},
+                             .skips = {".yaml", ".yml"},
+                             .also = files_of_mask_list}},
                  .doing = "finding the camera poses",
                  .cost = sfm_cost,
                  .report = sfm_report()};

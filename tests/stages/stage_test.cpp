@@ -84,6 +84,22 @@ TEST_F(StageMain, KeyDependsOnWhatChangesTheResultAndOnNothingElse) {
   EXPECT_NE(key({}), plain);
 }
 
+TEST_F(StageMain, FilesThatAGivenFileRefersToCountForTheKey) {
+  const StageInfo info{.name = "any",
+                       .inputs = {{.name = "list", .artifact = false, .also = [](const fs::path& list) {
+                                     return std::vector<fs::path>{list.parent_path() / "my photos/b.jpg"};
+                                   }}}};
+  write_file(folder.path() / "list.json", "my photos/b.jpg");
+  DigestCache digests(folder.path() / "digests");
+  const auto digest = [&] {
+    return resolve_inputs(info, {"list=" + (folder.path() / "list.json").string()}, digests).at("list").content_digest;
+  };
+  const std::string before = digest();
+  EXPECT_EQ(digest(), before);
+  write_file(photos() / "b.jpg", "other");
+  EXPECT_NE(digest(), before);
+}
+
 TEST_F(StageMain, DamageIsNoticedAndRepaired) {
   ASSERT_EQ(collect({}).exit, 0);
   std::ofstream(out() / "collect/list.txt") << "edited in place";

@@ -252,6 +252,23 @@ void MaskFolder::add_listed(MaskClass kind, const std::string& photo, MaskFile m
     index.lists.push_back(list.parent_path());
 }
 
+std::vector<fs::path> MaskFolder::listed_files(MaskClass kind) const {
+  std::set<fs::path> files;
+  for (const MaskFile& file : classes_[static_cast<size_t>(kind)].listed) files.insert(file.path);
+  return {files.begin(), files.end()};
+}
+
+std::vector<fs::path> files_of_mask_list(const fs::path& masks) {
+  std::error_code ec;
+  if (!fs::is_regular_file(masks, ec)) return {};
+  try {
+    return MaskFolder(masks).listed_files(MaskClass::Object);
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+    return {};
+  }
+}
+
 std::vector<std::optional<MaskFile>> MaskFolder::match(MaskClass kind, std::span<const std::string> photos, Notes* notes) const {
   const Index& index = classes_[static_cast<size_t>(kind)];
   std::vector<std::vector<MaskFile>> listed(photos.size());

@@ -46,6 +46,7 @@ class MaskFolder {
   // Throws Error{Input} when two files match a photo equally well.
   std::vector<std::optional<MaskFile>> match(MaskClass kind, std::span<const std::string> photos, Notes* notes = nullptr) const;
   std::optional<MaskFile> find(MaskClass kind, const std::string& photo) const;  // of one photo
+  std::vector<std::filesystem::path> listed_files(MaskClass kind) const;         // that a list names, sorted, each once
   const Notes& notes() const { return notes_; }                                  // on the files
 
  private:
@@ -69,6 +70,10 @@ class MaskFolder {
   std::array<Index, kMaskClassCount> classes_;
   std::set<std::string> photo_stems_;  // lower-case keys, with folders and without
 };
+
+// The mask files that a transforms.json given as masks refers to (mask_path) and that exist, sorted, each once. Empty for other
+// paths, and for a file that cannot be read as one: its reader reports that.
+std::vector<std::filesystem::path> files_of_mask_list(const std::filesystem::path& masks);
 
 // One channel in [0, 1]. Colour is converted to luma; a varying alpha channel takes precedence over colour; a file of small
 // integers is a label map. Throws Error{Input}: unreadable, or a colour photo.
