@@ -9,6 +9,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
 #include "core/intake/poses/given_poses.h"
+#include "core/intake/poses/named_poses.h"
 #include "core/intake/masks/mask_files.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/pose_check.h"
@@ -99,6 +100,7 @@ void tell(const Notes& notes, StageContext& context) {
 ColmapModel given_model(const fs::path& poses, const SfmConfig& config, std::vector<Photo>& photos, StageContext& context,
                         PosePixels& pixels) {
   GivenPoses read = given_poses(poses, photos, config.pose_scale);
+  if (context.optional_input("masks")) std::erase_if(read.notes, [](const Note& n) { return n.code == kMasksNamed; });
   tell(read.notes, context);
   pixels = std::move(read.pixels);
   for (auto i = read.other_versions.rbegin(); i != read.other_versions.rend(); ++i) photos.erase(photos.begin() + long(*i));

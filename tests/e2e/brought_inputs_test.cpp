@@ -254,6 +254,25 @@ TEST_F(BroughtInputs, AlphaIsNamedAndServesAsMaskWhenAsked) {
   EXPECT_NE(asked.text.find("object 25.0 %"), std::string::npos) << asked.text;  // a quarter of the pixels is left
 }
 
+TEST_F(BroughtInputs, MasksThatThePosesNameAreNamedAndUsedWhenGiven) {
+  for (const View& v : views) write_mask(here("masks") / (v.stem() + ".png"), 255);
+  auto file = nlohmann::json::parse(read_file(true_poses()));
+  for (size_t i = 0; i < views.size(); ++i) file["frames"][i]["mask_path"] = "masks/" + views[i].stem() + ".png";
+  write_file(here("transforms.json"), file.dump());
+  const std::string json = here("transforms.json").string();
+  expect_poses(json, 0, "POSES_NAME_MASKS");
+  const std::vector<std::string> with_masks{
+      photos().string(),           "--poses", json, "--masks", json, "--set", "masks.transparent.source=none", "--set",
+      "masks.specular.source=none"};
+  const Answer asked = ran(with_masks, "masks");
+  EXPECT_EQ(asked.exit, 0) << asked.text;
+  EXPECT_FALSE(asked.codes.contains("POSES_NAME_MASKS")) << asked.text;
+  EXPECT_NE(asked.text.find("object 12.5 %"), std::string::npos) << asked.text;  // 120 x 80 of 320 x 240 pixels
+  // The content of the masks counts for the cache, not only that of the list.
+  for (const View& v : views) write_ldr(here("masks") / (v.stem() + ".png"), Image8(kWidth, kHeight, 1, uint8_t{255}));
+  EXPECT_EQ(ran(with_masks, "masks").text.find("object 12.5 %"), std::string::npos);
+}
+
 TEST_F(BroughtInputs, PhotosOfSeveralColourSpacesAreNamed) {
   // cICP: primaries of Display P3 (12), curve of sRGB (13), RGB, full range.
   const std::string cicp("\0\0\0\4cICP\x0c\x0d\0\1", 12);

@@ -9,6 +9,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
+#include "core/intake/masks/mask_files.h"
 #include "core/intake/poses/colmap_repair.h"
 #include "core/intake/poses/pose_files.h"
 #include "core/scene/camera/transforms_file.h"
@@ -250,6 +251,18 @@ PictureSize assumed_size(const TransformsFrame& frame, const Photo& photo, size_
   return own;
 }
 
+// Masks that the frames name are not read with the poses: one class of masks changes the whole scene.
+void note_masks(Reading& r) {
+  if (r.transforms.masks == 0) return;
+  const size_t there = files_of_mask_list(r.file.path).size();
+  const std::string named =
+      fmt::format("{} {} a mask (mask_path)", r.transforms.masks, r.transforms.masks == 1 ? "pose names" : "poses name");
+  r.notes.push_back({std::string(kMasksNamed),
+                     there == 0 ? named + ", and there are no such files"
+                                : fmt::format("{}; the masks are not used: --masks {} uses them as masks of the object", named,
+                                              r.file.path.string())});
+}
+
 ColmapModel posed_by_transforms(Reading& r, const std::vector<size_t>& used, std::span<const Photo> photos) {
   ColmapModel model;
   size_t from_exif = 0, resized = 0;
@@ -297,6 +310,7 @@ ColmapModel posed_by_transforms(Reading& r, const std::vector<size_t>& used, std
   if (!r.transforms.points.empty())
     r.notes.push_back(
         {"", fmt::format("the points of {} (ply_file_path) are not read: points are found in the photos", r.transforms.points)});
+  note_masks(r);
   return model;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/foundation/base/error.h"
@@ -11,6 +12,9 @@
 #include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
+
+// Code of the note on masks that the file of poses names and that are not read with the poses (mask_path).
+inline constexpr std::string_view kMasksNamed = "POSES_NAME_MASKS";
 
 struct NamedPoses {
   PoseFile file;                 // the file read

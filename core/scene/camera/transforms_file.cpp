@@ -101,6 +101,7 @@ TransformsFile transforms_of(const JsonAt& top) {
     TransformsFrame f;
     f.place = fmt::format("frames[{}]", i);
     f.name = frame.at("file_path").text();
+    file.masks += frame.has("mask_path") && frame.at("mask_path").value().is_string() && !frame.at("mask_path").text().empty();
     f.camera = stated_camera(Lookup(top, frame));
     // Exporters may leave a scale in the camera matrix; it has no meaning for a camera: only rotation and position are used.
     const char* key = bare_list && !frame.has("transform_matrix") ? "transform" : "transform_matrix";

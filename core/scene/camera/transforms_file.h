@@ -41,6 +41,7 @@ struct TransformsFrame {
 struct TransformsFile {
   std::vector<TransformsFrame> frames;  // not empty, in file order
   std::string points;                   // ply_file_path
+  size_t masks = 0;                     // frames with a mask_path
 };
 
 // Throws Error{Input} with file, line and cause: wrong format, not a rotation, unsupported lens.

@@ -102,6 +102,27 @@ TEST_F(GivenNames, WhatMatchesNothingShowsANameOfEachSide) {
   EXPECT_NE(two.detail().why.find("'0.jpg' may be front/0.jpg or back/0.jpg"), std::string::npos) << two.what();
 }
 
+TEST_F(GivenNames, MasksThatThePosesNameAreReported) {
+  const fs::path file = transforms({"a.jpg", "b.jpg", "c.jpg"});
+  const std::vector<Photo> photos{photo("a.jpg"), photo("b.jpg"), photo("c.jpg")};
+  EXPECT_EQ(code(given_poses(file, photos, 0), "POSES_NAME_MASKS"), "");
+  std::string text = read_file(file);
+  for (const char* name : {"a", "b"}) {
+    const std::string path = fmt::format("\"{}.jpg\",", name);
+    text.insert(text.find(path) + path.size(), fmt::format(" \"mask_path\": \"masks/{}.png\",", name));
+  }
+  const std::string other = "\"c.jpg\",";
+  text.insert(text.find(other) + other.size(), " \"mask_path\": null,");
+  write_file(file, text);
+  EXPECT_EQ(code(given_poses(file, photos, 0), "POSES_NAME_MASKS"),
+            "2 poses name a mask (mask_path), and there are no such files");
+  make_folders(folder.path() / "masks");
+  write_ldr(folder.path() / "masks/b.png", Image8(4, 3, 1));
+  EXPECT_EQ(code(given_poses(file, photos, 0), "POSES_NAME_MASKS"),
+            fmt::format("2 poses name a mask (mask_path); the masks are not used: --masks {} uses them as masks of the object",
+                        file.string()));
+}
+
 TEST_F(GivenNames, PosesWithoutAPhotoAreCounted) {
   const GivenPoses given =
       given_poses(transforms({"a.jpg", "b.jpg", "x.jpg", "y.jpg"}), std::vector{photo("a.jpg"), photo("b.jpg")}, 0);
@@ -280,6 +301,18 @@ TEST_F(ListedMasks, ThatDoNotExistAreCounted) {
             std::string::npos);
   EXPECT_FALSE(files.match(MaskClass::Object, Names{"front/0.jpg", "back/0.jpg"})[1]);
   EXPECT_EQ(error_of([&] { masks("a/9.png", "b/9.png"); }).detail().code, "MASKS_MISSING");
+}
+
+TEST_F(ListedMasks, AreTheFilesThatCountForTheCache) {
+  const fs::path json = folder.path() / "transforms.json";
+  masks("masks/front/0.png", "./masks/back/0.png");
+  EXPECT_EQ(files_of_mask_list(json),
+            (std::vector<fs::path>{folder.path() / "masks/back/0.png", folder.path() / "masks/front/0.png"}));
+  masks("masks/front/0.png", "masks/front/0.png");
+  EXPECT_EQ(files_of_mask_list(json), std::vector<fs::path>{folder.path() / "masks/front/0.png"});
+  write_file(json, "{\"frames\": 3}");
+  EXPECT_TRUE(files_of_mask_list(json).empty()) << "its reader reports the mistake";
+  EXPECT_TRUE(files_of_mask_list(folder.path()).empty());
 }
 
 }  // namespace
