@@ -41,7 +41,8 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("preset", 0, "NAME", a.preset, "Quality: preview, standard or high.");
   cli.values("config", 'c', "FILE", a.configs, "YAML file with options; later files win.");
   cli.values("set", 0, "STAGE.OPTION=VALUE", a.sets, "One option; wins over files.");
-  cli.value("poses", 0, "PATH", a.poses, "Known camera poses: a COLMAP model or a transforms.json.");
+  cli.value("poses", 0, "PATH", a.poses,
+            "Known camera poses: a COLMAP model, a transforms.json, or a file of Metashape, OpenSfM or OpenMVG.");
   cli.value("masks", 0, "PATH", a.masks,
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
             "YAML file that "

@@ -345,7 +345,7 @@ Stage sfm_stage() {
                             {.name = "poses",
                              .artifact = false,
                              .optional = true,
-                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices",
+                             .doc = "given poses: COLMAP model, transforms.json, Metashape, OpenSfM, OpenMVG, 3x4 matrices",
                              .meant = meant_poses},
                             {.name = "masks",
                              .artifact = false,

@@ -6,6 +6,7 @@
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
+#include "tests/core/intake/poses/program_files.h"
 #include "tests/support/tiny_photos.h"
 #include "tests/support/vitrine_process.h"
 
@@ -143,6 +144,22 @@ TEST_F(BroughtInputs, PosesInAxesOfOpenCVAreRefused) {
     v.cam_from_world = inverse(world_from_cam);
   }
   expect_poses(true_poses(), 3, "POSES_DISAGREE");
+}
+
+// Converted to the files of other programs, the true poses agree with the photos.
+TEST_F(BroughtInputs, PosesOfOtherProgramsAreRead) {
+  const ColmapModel model = true_model(views.size());
+  write_file(here("cameras.xml"), test::metashape_xml(model, {{3, views[0].cam_from_world.rotation, {7, 8, 9}}, true, "", ""}));
+  write_file(here("reconstruction.json"), test::opensfm_json(model));
+  write_file(here("sfm_data.json"), test::openmvg_json(model));
+  for (const char* file : {"cameras.xml", "reconstruction.json", "sfm_data.json"}) {
+    const Answer a = ran({photos().string(), "--poses", here(file).string()}, "sfm");
+    EXPECT_EQ(a.exit, 0) << a.text;
+    EXPECT_NE(a.text.find(fmt::format("registered {}/{}", views.size(), views.size())), std::string::npos) << a.text;
+    EXPECT_FALSE(a.codes.contains("POSES_INACCURATE")) << a.text;
+  }
+  write_file(here("cameras.sfm"), "{}");
+  expect_poses(here("cameras.sfm").string(), 3, "POSES_MISSING");
 }
 
 TEST_F(BroughtInputs, TwoPosesOfOnePhotoAreRefused) {

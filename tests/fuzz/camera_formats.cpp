@@ -1,9 +1,12 @@
-// Cameras from elsewhere: COLMAP models, transforms.json (also as a list of masks), Meshroom scenes, projection matrices. Read as
+// Cameras from elsewhere: COLMAP models, transforms.json (also as a list of masks), Metashape, OpenSfM, OpenMVG, Meshroom
+// scenes, projection matrices. Read as
 // the sfm stage reads what a user gives with --poses.
 #include "core/scene/camera/colmap_files.h"
 #include "core/intake/poses/given_poses.h"
+#include "core/intake/poses/program_poses.h"
 #include "core/intake/masks/mask_files.h"
 #include "core/scene/camera/view_set.h"
+#include "tests/core/intake/poses/program_files.h"
 #include "tests/fuzz/entry.h"
 
 namespace vitrine {
@@ -88,6 +91,13 @@ void read_model(std::span<const uint8_t> bytes, const char* folder, const char* 
   refuses_or_reads([&] { read_given_poses(fuzz_folder() / folder, photos(), 0); });
 }
 
+// By content, as with --poses, and by the reader itself, whatever the content is.
+void read_program_poses(std::span<const uint8_t> bytes, const char* name, ProgramPoses (*read)(const fs::path&)) {
+  const fs::path path = input_file(name, text_of(bytes));
+  refuses_or_reads([&] { read_given_poses(path, photos(), 0); });
+  refuses_or_reads([&] { read(path); });
+}
+
 }  // namespace
 
 void fuzz_colmap_binary(std::span<const uint8_t> bytes) { read_model(bytes, "bin", "bin"); }
@@ -106,6 +116,10 @@ void fuzz_transforms(std::span<const uint8_t> bytes) {
   input_file("meshroom/scene.sfm", text_of(bytes));
   refuses_or_reads([&] { MaskFolder{fuzz_folder() / "meshroom"}; });
 }
+
+void fuzz_metashape(std::span<const uint8_t> bytes) { read_program_poses(bytes, "cameras.xml", read_metashape); }
+void fuzz_opensfm(std::span<const uint8_t> bytes) { read_program_poses(bytes, "reconstruction.json", read_opensfm); }
+void fuzz_openmvg(std::span<const uint8_t> bytes) { read_program_poses(bytes, "sfm_data.json", read_openmvg); }
 
 void fuzz_matrices(std::span<const uint8_t> bytes) {
   std::error_code ec;
@@ -133,6 +147,18 @@ std::vector<std::string> transforms_corpus() {
 {"file_path": "./images/00", "mask_path": "masks/00.png", "transform_matrix": [[1,0,0,0.5],[0,1,0,0],[0,0,1,2],[0,0,0,1]]},
 {"file_path": "./images/01", "fl_x": 71, "transform_matrix": [[0,-1,0,0.5],[1,0,0,0],[0,0,1,2],[0,0,0,1]]}]})",
           R"({"views": [{"viewId": "1234", "path": "images/00.png"}, {"viewId": 7, "path": "images/01.png"}]})"};
+}
+
+std::vector<std::string> metashape_corpus() {
+  test::MetashapeDesc chunk;
+  chunk.component = false;
+  return {test::metashape_xml(small_model()), test::metashape_xml(small_model(), chunk)};
+}
+std::vector<std::string> opensfm_corpus() {
+  return {test::opensfm_json(small_model()), test::opensfm_json(small_model(), "perspective")};
+}
+std::vector<std::string> openmvg_corpus() {
+  return {test::openmvg_json(small_model()), test::openmvg_json(small_model(), "pinhole_radial_k3", false)};
 }
 
 std::vector<std::string> matrices_corpus() {

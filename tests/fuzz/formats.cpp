@@ -7,6 +7,7 @@ namespace vitrine {
 // Beside their entry functions.
 std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), records_corpus();
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
+std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
     onnx_corpus(), weights_corpus(), objects_corpus();
 std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus();
@@ -62,6 +63,13 @@ std::span<const FuzzFormat> fuzz_formats() {
       {"colmap_binary", fuzz_colmap_binary, colmap_binary_corpus, {kPartMark, "../", "\0"sv}},
       {"colmap_text", fuzz_colmap_text, colmap_text_corpus, numbers},
       {"transforms", fuzz_transforms, transforms_corpus, json},
+      {"metashape",
+       fuzz_metashape,
+       metashape_corpus,
+       {"<", "/>", "</", "<!--", "<![CDATA[", "<!DOCTYPE a [", "&#0;", "&amp;", "<transform>", "<camera ", "nan", "inf", "1e999",
+        "component_id=\"1\"", "sensor_id=\"9\"", "<group>", "<component id=\"1\">"}},
+      {"opensfm", fuzz_opensfm, opensfm_corpus, json},
+      {"openmvg", fuzz_openmvg, openmvg_corpus, json},
       {"matrices", fuzz_matrices, matrices_corpus, numbers},
       {"mesh_ply", fuzz_mesh_ply, mesh_ply_corpus, ply},
       {"surfel_ply", fuzz_surfel_ply, surfel_ply_corpus, ply},

@@ -153,6 +153,24 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
   return model;
 }
 
+PoseSource source_of(PoseFile::Kind kind) {
+  switch (kind) {
+    case PoseFile::Kind::Colmap:
+      return PoseSource::Colmap;
+    case PoseFile::Kind::Transforms:
+      return PoseSource::Transforms;
+    case PoseFile::Kind::Matrices:
+      return PoseSource::Matrices;
+    case PoseFile::Kind::Metashape:
+      return PoseSource::Metashape;
+    case PoseFile::Kind::OpenSfm:
+      return PoseSource::OpenSfm;
+    case PoseFile::Kind::OpenMvg:
+      return PoseSource::OpenMvg;
+  }
+  return PoseSource::Colmap;
+}
+
 [[noreturn]] void throw_other_shape(const PosedPhoto& photo, const std::string& image, const PosePixels& pixels,
                                     const fs::path& path) {
   std::vector<std::string> names{image, photo.name};
@@ -297,7 +315,7 @@ GivenPoses given_poses(const fs::path& path, std::span<const Photo> photos, doub
     given.source = named.file.path;
     given.other_versions = std::move(named.versions);
     given.notes = std::move(named.notes);
-    given.pixels.source = named.file.kind == PoseFile::Kind::Transforms ? PoseSource::Transforms : PoseSource::Colmap;
+    given.pixels.source = source_of(named.file.kind);
     model = on_photos(std::move(named.model), photos, given.source, given.pixels);
   }
   // Ids follow the name order, as elsewhere in this stage.

@@ -1,4 +1,5 @@
-// Reads user-supplied camera poses: a COLMAP model (bin or txt), a transforms.json, or a folder of 3x4 projection matrices.
+// Reads user-supplied camera poses: a COLMAP model (bin or txt), a transforms.json, files of Metashape, OpenSfM or OpenMVG, or a
+// folder of 3x4 projection matrices.
 // pose_files.h selects the file and resolves photo names. Cameras are scaled to the ingested photo size.
 #pragma once
 
@@ -21,7 +22,7 @@ struct Decomposed {
 Decomposed decomposed_projection(const double (&p)[12], const std::filesystem::path& where);
 
 struct GivenPoses {
-  std::filesystem::path source;        // the file or folder read: of a COLMAP model, a JSON file, of matrices
+  std::filesystem::path source;        // the file or folder read: of a COLMAP model, a JSON or XML file, of matrices
   ColmapModel model;                   // image names are photo names; points and observations where the source has them
   std::vector<size_t> other_versions;  // photos without a pose that are another version of a posed photo ("images_4/a.jpg")
   PosePixels pixels;                   // pixel convention of the poses; has notes of its own

@@ -12,6 +12,7 @@
 #include "core/intake/masks/mask_files.h"
 #include "core/intake/poses/colmap_repair.h"
 #include "core/intake/poses/pose_files.h"
+#include "core/intake/poses/program_poses.h"
 #include "core/scene/camera/transforms_file.h"
 
 namespace vitrine {
@@ -21,7 +22,7 @@ namespace {
 // Content of a pose file, and the photos matched to its names.
 struct Reading {
   PoseFile file;
-  ColmapModel model;          // of a COLMAP model
+  ColmapModel model;          // of all but a transforms.json
   TransformsFile transforms;  // of a transforms.json
   std::vector<std::string> names, places;
   std::vector<PhotoMatch> matches;
@@ -57,6 +58,23 @@ void note_other_format(Reading& r) {
                    folder.string(), r.model.images.size(), r.model.points.size(), difference)});
 }
 
+ProgramPoses program_poses(const PoseFile& file) {
+  switch (file.kind) {
+    case PoseFile::Kind::Metashape:
+      return read_metashape(file.path);
+    case PoseFile::Kind::OpenSfm:
+      return read_opensfm(file.path);
+    case PoseFile::Kind::OpenMvg:
+      return read_openmvg(file.path);
+    case PoseFile::Kind::Colmap:
+    case PoseFile::Kind::Transforms:
+    case PoseFile::Kind::Matrices:
+      break;
+  }
+  VITRINE_CHECK(false, "no poses of another program");
+  return {};
+}
+
 Reading reading_of(const PoseFile& file, const PhotoFinder& finder, std::span<const Photo> photos) {
   Reading r;
   r.file = file;
@@ -69,12 +87,13 @@ Reading reading_of(const PoseFile& file, const PhotoFinder& finder, std::span<co
       r.notes.push_back(
           {"POSES_DANGLING", fmt::format("{}: {}; these references are dropped", file.path.string(), repairs.text())});
     check_colmap_model(r.model, file.path, ColmapNames::Any);
-    for (const ColmapImage& image : r.model.images) {
-      r.names.push_back(image.name);
-      r.places.push_back(fmt::format("image {}", image.id));
-      const ColmapCamera& camera = *r.model.find_camera(image.camera_id);
-      sizes.push_back(PictureSize{int(camera.width), int(camera.height)});
-    }
+    for (const ColmapImage& image : r.model.images) r.places.push_back(fmt::format("image {}", image.id));
+  } else if (file.kind != PoseFile::Kind::Transforms) {
+    ProgramPoses poses = program_poses(file);
+    r.model = std::move(poses.model);
+    r.places = std::move(poses.places);
+    r.notes = std::move(poses.notes);
+    check_colmap_model(r.model, file.path, ColmapNames::Any);
   } else {
     r.transforms = read_transforms_file(file.path);
     for (const TransformsFrame& frame : r.transforms.frames) {
@@ -82,6 +101,11 @@ Reading reading_of(const PoseFile& file, const PhotoFinder& finder, std::span<co
       r.places.push_back(frame.place);
       sizes.push_back(frame.camera.size);
     }
+  }
+  for (const ColmapImage& image : r.model.images) {
+    r.names.push_back(image.name);
+    const ColmapCamera& camera = *r.model.find_camera(image.camera_id);
+    sizes.push_back(PictureSize{int(camera.width), int(camera.height)});
   }
   r.matches = finder.match(r.names, picture_folders(file));
   std::set<size_t> taken;
@@ -184,7 +208,7 @@ bool same_pose(const Rigid& a, const Rigid& b) {
 // Indices of the names in use: the first of several for one photo, if their poses are equal.
 std::vector<size_t> used_names(Reading& r, const PhotoFinder& finder) {
   const auto pose = [&](size_t i) {
-    return r.file.kind == PoseFile::Kind::Colmap ? r.model.images[i].cam_from_world() : r.transforms.frames[i].cam_from_world;
+    return r.file.kind == PoseFile::Kind::Transforms ? r.transforms.frames[i].cam_from_world : r.model.images[i].cam_from_world();
   };
   std::vector<size_t> used;
   std::map<size_t, size_t> first;  // photo -> name index
@@ -215,7 +239,7 @@ std::vector<size_t> used_names(Reading& r, const PhotoFinder& finder) {
   return used;
 }
 
-ColmapModel posed_by_colmap(Reading& r, const std::vector<size_t>& used, std::span<const Photo> photos) {
+ColmapModel posed_by_model(Reading& r, const std::vector<size_t>& used, std::span<const Photo> photos) {
   ColmapModel model = std::move(r.model);
   const size_t without_track = static_cast<size_t>(
       std::count_if(model.points.begin(), model.points.end(), [](const ColmapPoint3D& p) { return p.track.size() < 2; }));
@@ -336,7 +360,7 @@ NamedPoses named_poses(std::span<const PoseFile> files, std::span<const Photo> p
   NamedPoses out;
   out.file = r.file;
   out.versions = versions_without_pose(r, photos);
-  out.model = r.file.kind == PoseFile::Kind::Colmap ? posed_by_colmap(r, used, photos) : posed_by_transforms(r, used, photos);
+  out.model = r.file.kind == PoseFile::Kind::Transforms ? posed_by_transforms(r, used, photos) : posed_by_model(r, used, photos);
   if (!out.versions.empty())
     r.notes.push_back(
         {"POSES_OTHER_VERSIONS", fmt::format("{} photos are left out, for example {}: they have no pose, and are other "

@@ -1,4 +1,5 @@
-// Poses of a COLMAP model or a transforms.json, matched to photos by name. Notes report the file read, omissions and assumptions.
+// Poses of a COLMAP model, a transforms.json or a file of another program, matched to photos by name. Notes report the file read,
+// omissions and assumptions.
 #pragma once
 
 #include <filesystem>

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -90,40 +87,43 @@ std::vector<fs::path> transforms_files(const fs::path& root) {
   return out;
 }
 
-constexpr const char* kHint =
-    "give a COLMAP model (cameras, images: .bin or .txt), a transforms.json, or a folder of 3x4 matrices (P/*.txt)";
-
-// Names the format of unsupported files. nullopt: it may be JSON.
-std::optional<std::string> other_format(const fs::path& file) {
-  static const std::map<std::string, const char*> known{{".nvm", "a VisualSFM scene"},
-                                                        {".out", "a Bundler scene"},
-                                                        {".xml", "an XML file (Metashape, ContextCapture)"},
-                                                        {".csv", "a table (RealityCapture)"},
-                                                        {".ply", "points, meshes or splats, not cameras"},
-                                                        {".splat", "splats, not cameras"},
-                                                        {".db", "COLMAP's database: it holds matches, not poses"},
-                                                        {".ini", "COLMAP's project file: it holds settings, not poses"},
-                                                        {".mvs", "an OpenMVS scene"},
-                                                        {".psx", "a Metashape project"},
-                                                        {".psz", "a Metashape project"},
-                                                        {".sfm", "a Meshroom scene"},
-                                                        {".abc", "an Alembic scene"},
-                                                        {".usd", "a USD scene"},
-                                                        {".fbx", "an FBX scene"},
-                                                        {".npy", "a NumPy array (LLFF: poses_bounds.npy)"},
-                                                        {".npz", "a NumPy archive"},
-                                                        {".zip", "an archive: unpack it"}};
-  if (const auto at = known.find(lowered(file.extension().string())); at != known.end()) return at->second;
-  const std::string text = read_text_file(file);
-  const size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos || text[first] == '{' || text[first] == '[' || lowered(file.extension().string()) == ".json")
-    return std::nullopt;
-  return "no JSON";
+// Files of other programs by their usual names; their content decides whether they are read.
+std::vector<PoseFile> program_files(const fs::path& root) {
+  std::vector<PoseFile> out;
+  std::error_code ec;
+  for (const fs::path& folder : {root, root / "opensfm"})
+    for (const fs::path& entry : sorted_entries(folder)) {
+      const std::string name = lowered(entry.filename().string()), extension = lowered(entry.extension().string());
+      const bool usual =
+          extension == ".xml" || (extension == ".json" && (name.starts_with("reconstruction") || name.starts_with("sfm_data")));
+      if (!usual || !fs::is_regular_file(entry, ec)) continue;
+      const auto kind = recognised_poses(entry).kind;
+      if (kind && *kind != PoseFile::Kind::Transforms) out.push_back({*kind, entry});
+    }
+  return out;
 }
 
-[[noreturn]] void throw_missing(const fs::path& path, std::string why, const char* hint = kHint) {
+// "; found cameras.sfm: a Meshroom scene": what lies in a folder without poses that are read.
+std::string others_in(const fs::path& root) {
+  std::error_code ec;
+  for (const fs::path& entry : sorted_entries(root)) {
+    const std::string extension = lowered(entry.extension().string());
+    const bool likely = extension == ".xml" || extension == ".sfm" || extension == ".json" || extension == ".nvm" ||
+                        extension == ".out" || extension == ".psx" || extension == ".npy" || extension == ".db";
+    if (!likely || !fs::is_regular_file(entry, ec)) continue;
+    const RecognisedPoses r = recognised_poses(entry);
+    if (!r.kind) return fmt::format("; {} is {}", entry.filename().string(), r.what);
+  }
+  return {};
+}
+
+constexpr const char* kHint =
+    "give a COLMAP model (cameras, images: .bin or .txt), a transforms.json, cameras of Metashape (XML), OpenSfM or OpenMVG "
+    "(JSON), or a folder of 3x4 matrices (P/*.txt)";
+
+[[noreturn]] void throw_missing(const fs::path& path, std::string why, std::string hint = kHint) {
   throw Error(ErrorKind::Input, "no camera poses found",
-              {.where = path.string(), .why = std::move(why), .hint = hint, .code = "POSES_MISSING"});
+              {.where = path.string(), .why = std::move(why), .hint = std::move(hint), .code = "POSES_MISSING"});
 }
 
 }  // namespace
@@ -155,23 +155,29 @@ std::vector<PoseFile> find_pose_files(const fs::path& given) {
     throw_missing(given, fmt::format("it belongs to a COLMAP model, and {}.bin or .txt is not next to it", missing.string()));
   }
   if (fs::is_regular_file(path, ec)) {
-    if (const auto what = other_format(path)) throw_missing(path, "this is " + *what);
-    return {{PoseFile::Kind::Transforms, path}};
+    const RecognisedPoses r = recognised_poses(path);
+    if (!r.kind) throw_missing(path, "this is " + r.what, r.hint.empty() ? kHint : r.hint);
+    return {{*r.kind, path}};
   }
   std::vector<PoseFile> found;
   for (const fs::path& folder : colmap_folders(path)) found.push_back({PoseFile::Kind::Colmap, folder});
   for (const fs::path& file : transforms_files(path)) found.push_back({PoseFile::Kind::Transforms, file});
+  for (PoseFile& file : program_files(path)) found.push_back(std::move(file));
   if (found.empty() && !matrix_files(path).empty()) found.push_back({PoseFile::Kind::Matrices, path});
   if (found.empty())
-    throw_missing(path, "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
-                  "give one of these with --poses");
+    throw_missing(
+        path,
+        "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor cameras of Metashape, OpenSfM or "
+        "OpenMVG, nor 3x4 matrices (P/*.txt)" +
+            others_in(path),
+        "give one of these with --poses");
   return found;
 }
 
 std::vector<fs::path> picture_folders(const PoseFile& file) {
-  if (file.kind == PoseFile::Kind::Transforms) return {file.path.parent_path()};
   std::vector<fs::path> out;
-  if (file.kind != PoseFile::Kind::Colmap) return out;
+  if (file.kind == PoseFile::Kind::Matrices) return out;
+  if (file.kind != PoseFile::Kind::Colmap) return {file.path.parent_path()};
   std::error_code ec;
   fs::path up = fs::absolute(file.path, ec).lexically_normal();
   if (!up.has_filename()) up = up.parent_path();

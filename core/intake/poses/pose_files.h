@@ -1,8 +1,9 @@
 // Locates camera poses in a user's path: the layouts of COLMAP, nerfstudio, instant-ngp, Blender, 3D Gaussian splatting and
-// OpenMVS, or a folder of projection matrices.
+// OpenMVS, files of Metashape, OpenSfM and OpenMVG, or a folder of projection matrices.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,10 +14,19 @@
 namespace vitrine {
 
 struct PoseFile {
-  enum class Kind { Colmap, Transforms, Matrices };
+  enum class Kind { Colmap, Transforms, Matrices, Metashape, OpenSfm, OpenMvg };
   Kind kind = Kind::Colmap;
-  std::filesystem::path path;  // the folder of a COLMAP model; a JSON file; the folder of the matrices
+  std::filesystem::path path;  // the folder of a COLMAP model; a JSON or XML file; the folder of the matrices
 };
+
+// A file of poses by its content, whatever it is called.
+struct RecognisedPoses {
+  std::optional<PoseFile::Kind> kind;  // that is read; empty: `what` it is instead
+  std::string what;                    // "a Meshroom scene"
+  std::string hint;                    // what to give instead; empty: nothing in particular
+};
+// JSON with mistakes counts as a transforms.json, whose reader reports them.
+RecognisedPoses recognised_poses(const std::filesystem::path& file);
 
 // All candidates in `path` (file or folder), the most common first; never empty. Throws Error{Input} when there are none; the
 // error names the format of unsupported files.

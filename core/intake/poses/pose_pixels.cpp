@@ -117,6 +117,12 @@ std::string_view name(PoseSource source) {
       return "transforms.json";
     case PoseSource::Matrices:
       return "projection matrices";
+    case PoseSource::Metashape:
+      return "cameras file of Metashape";
+    case PoseSource::OpenSfm:
+      return "reconstruction of OpenSfM";
+    case PoseSource::OpenMvg:
+      return "sfm_data file of OpenMVG";
   }
   return "";
 }
@@ -155,8 +161,9 @@ void settle_pixels(PosePixels& pixels) {
   }
   if (turned == 0) return;
   const bool decided = (stored > 0) != (upright > 0), all_mirrored = mirrored == pixels.photos.size();
-  // COLMAP uses stored pixels. Most other programs apply the orientation first.
-  const bool assumed_stored = decided ? stored > 0 : pixels.source == PoseSource::Colmap;
+  // COLMAP, Metashape, OpenSfM and OpenMVG use stored pixels. Most other programs apply the orientation first.
+  const bool assumed_stored =
+      decided ? stored > 0 : pixels.source != PoseSource::Transforms && pixels.source != PoseSource::Matrices;
   size_t open = 0, mirrored_out = 0;
   for (PosedPhoto& p : pixels.photos) {
     if (p.orientation == 1) continue;

@@ -12,8 +12,8 @@
 
 namespace vitrine {
 
-enum class PoseSource { Colmap, Transforms, Matrices };
-std::string_view name(PoseSource source);  // "COLMAP model", "transforms.json", "projection matrices"
+enum class PoseSource { Colmap, Transforms, Matrices, Metashape, OpenSfm, OpenMvg };
+std::string_view name(PoseSource source);  // "COLMAP model", "transforms.json", "projection matrices", ..
 
 // Decision for one photo.
 struct PosedPhoto {

@@ -83,6 +83,15 @@ std::string rule_of(PoseSource source) {
       return "in images.txt a pose is camera-from-world (QW QX QY QZ TX TY TZ), with camera axes x right, y down, z forward";
     case PoseSource::Matrices:
       return "a projection matrix is P = K [R | t] in pixels, camera-from-world, with camera axes x right, y down, z forward";
+    case PoseSource::Metashape:
+      return "in Metashape's XML the transform of a camera is chunk-from-camera, with camera axes x right, y down, z forward";
+    case PoseSource::OpenSfm:
+      return "in reconstruction.json rotation (axis times angle) and translation are camera-from-world, with camera axes x "
+             "right, y "
+             "down, z forward";
+    case PoseSource::OpenMvg:
+      return "in sfm_data.json rotation is camera-from-world and center the camera's place, with camera axes x right, y down, z "
+             "forward";
   }
   return {};
 }

@@ -71,7 +71,6 @@ TEST(PoseFiles, OfOtherFormatsAreNamed) {
   const TemporaryFolder root;
   for (const auto& [file, what] : {std::pair{"database.db", "COLMAP's database"},
                                    {"bundle.out", "Bundler"},
-                                   {"cameras.xml", "Metashape"},
                                    {"poses_bounds.npy", "LLFF"},
                                    {"scene.sfm", "Meshroom"},
                                    {"notes.rst", "no JSON"}}) {
@@ -80,6 +79,53 @@ TEST(PoseFiles, OfOtherFormatsAreNamed) {
     EXPECT_EQ(e.detail().code, "POSES_MISSING");
     EXPECT_NE(e.detail().why.find(what), std::string::npos) << e.what();
   }
+}
+
+TEST(PoseFiles, AreRecognisedByTheirContent) {
+  const TemporaryFolder root;
+  using Kind = PoseFile::Kind;
+  for (const auto& [text, kind] : {std::pair{"{\"frames\": []}", Kind::Transforms},
+                                   {"[{\"file_path\": \"a.jpg\"}]", Kind::Transforms},
+                                   {"{\"frames\": [", Kind::Transforms},
+                                   {"\n<?xml version=\"1.0\"?><!-- x --><!DOCTYPE document>\n<document>", Kind::Metashape},
+                                   {"[{\"cameras\": {\"frames\": 1}, \"shots\": {}}, {\"x\": 1}]", Kind::OpenSfm},
+                                   {"{\"cameras\": {}, \"shots\": {}}", Kind::OpenSfm},
+                                   {"{\"sfm_data_version\": \"0.3\"}", Kind::OpenMvg}})
+    for (const char* name : {"poses.json", "poses.txt"}) {
+      write_file(root.path() / name, text);
+      const std::vector<PoseFile> found = find_pose_files(root.path() / name);
+      ASSERT_EQ(found.size(), 1u) << text;
+      EXPECT_EQ(found[0].kind, kind) << text;
+    }
+  for (const auto& [text, what] :
+       {std::pair{"{\"version\": [], \"views\": [], \"intrinsics\": [], \"poses\": []}", "Meshroom"},
+        {"{\"t_00\": 1, \"t_01\": 0, \"t_10\": 0}", "Polycam"},
+        {"[{\"id\": 0, \"img_name\": \"a\", \"position\": [], \"rotation\": []}]", "Gaussian splatting"},
+        {"{\"images\": [], \"annotations\": []}", "COCO"},
+        {"<BlocksExchange/>", "ContextCapture"},
+        {"<annotations>", "CVAT"},
+        {"{\"lens\": {\"frames\": 1}, \"depth\": 2}", "its keys are lens, depth"}}) {
+    write_file(root.path() / "x.json", text);
+    const Error e = error_of([&] { find_pose_files(root.path() / "x.json"); });
+    EXPECT_EQ(e.detail().code, "POSES_MISSING");
+    EXPECT_NE(e.detail().why.find(what), std::string::npos) << e.what();
+  }
+}
+
+TEST(PoseFiles, OfOtherProgramsAreFoundInFolders) {
+  const TemporaryFolder root;
+  make_folders(root.path() / "opensfm");
+  write_file(root.path() / "cameras.xml", "<document/>");
+  write_file(root.path() / "labels.xml", "<annotations/>");
+  write_file(root.path() / "sfm_data.json", "{\"sfm_data_version\": \"0.3\"}");
+  write_file(root.path() / "opensfm/reconstruction.json", "[{\"cameras\": {}, \"shots\": {}}]");
+  std::vector<std::string> found;
+  for (const PoseFile& f : find_pose_files(root.path())) found.push_back(f.path.lexically_relative(root.path()).string());
+  EXPECT_EQ(found, (std::vector<std::string>{"cameras.xml", "sfm_data.json", "opensfm/reconstruction.json"}));
+  const TemporaryFolder other;
+  write_file(other.path() / "cameras.sfm", "{}");
+  EXPECT_NE(error_of([&] { find_pose_files(other.path()); }).detail().why.find("; cameras.sfm is a Meshroom scene"),
+            std::string::npos);
 }
 
 TEST(ColmapRepair, DropsWhatLeadsNowhereAndCountsIt) {
