@@ -7,6 +7,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/folder_files.h"
+#include "core/foundation/config/document_outline.h"
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/intake/masks/mask_classes.h"
@@ -66,6 +67,29 @@ std::optional<fs::path> named_file(const fs::path& folder, const JsonAt& written
   written.fail("'" + text + "' is not a path inside the folder of this file");
 }
 
+// Refuses files given as masks that hold no pictures and name none, with what to export instead.
+void refuse_file_without_masks(const fs::path& file) {
+  const auto refuse = [&](const std::string& why, const char* hint) {
+    throw Error(ErrorKind::Input, "there are no masks",
+                {.where = file.string(), .why = why, .hint = hint, .code = "MASKS_MISSING"});
+  };
+  constexpr const char* kPictures =
+      "export masks as pictures, one for each photo (CVAT: Segmentation mask), and give their folder";
+  static const std::set<std::string> archives{".zip", ".7z", ".rar", ".tar", ".gz", ".tgz"};
+  if (archives.contains(lowered(file.extension().string())))
+    refuse("this is an archive", "unpack it, and give the folder of the masks");
+  if (is_picture(file)) refuse("this is one picture", "give the folder of the masks: one for each photo, with its name");
+  const DocumentOutline outline = document_outline(file);
+  if (!outline.xml_root.empty())
+    refuse(outline.xml_root.starts_with("annotation") ? "this file holds annotations (CVAT, Pascal VOC), no pictures"
+                                                      : "this is an XML file",
+           kPictures);
+  if (!outline.json || !outline.json->complete || outline.json->has("frames")) return;
+  if (outline.json->has("annotations")) refuse("this file holds annotations (COCO), no pictures", kPictures);
+  if (outline.json->has("shapes")) refuse("this file holds annotations (labelme), no pictures", kPictures);
+  refuse("this is JSON without 'frames' that have a mask_path", "give a folder of masks, or a transforms.json with mask_path");
+}
+
 // Selects one of several mask candidates of a photo: a name with "mask" takes precedence over the plain photo name, which may be
 // the photo itself.
 MaskFile one_of(const std::vector<MaskFile>& files, const std::string& photo) {
@@ -95,6 +119,7 @@ MaskFolder::MaskFolder(const fs::path& path, MaskClass flat, const std::vector<s
   }
   std::error_code ec;
   if (fs::is_regular_file(path, ec)) {
+    refuse_file_without_masks(path);
     add_transforms(flat, path);
     return;
   }

@@ -303,6 +303,23 @@ TEST_F(ListedMasks, ThatDoNotExistAreCounted) {
   EXPECT_EQ(error_of([&] { masks("a/9.png", "b/9.png"); }).detail().code, "MASKS_MISSING");
 }
 
+TEST_F(ListedMasks, AreNotWhatOtherFilesHold) {
+  for (const auto& [name, text, what] :
+       {std::tuple{"masks.zip", "PK", "archive"},
+        {"annotations.xml", "<?xml version=\"1.0\"?>\n<annotations/>", "annotations (CVAT, Pascal VOC)"},
+        {"coco.json", "{\"images\": [], \"annotations\": [], \"categories\": []}", "annotations (COCO)"},
+        {"a.json", "{\"shapes\": [], \"imagePath\": \"a.jpg\"}", "annotations (labelme)"},
+        {"other.json", "{\"views\": []}", "JSON without 'frames'"},
+        {"mask.png", "x", "one picture"}}) {
+    write_file(folder.path() / name, text);
+    const Error e = error_of([&] { MaskFolder{folder.path() / name}; });
+    EXPECT_EQ(e.detail().code, "MASKS_MISSING") << name;
+    EXPECT_NE(e.detail().why.find(what), std::string::npos) << e.what();
+  }
+  write_file(folder.path() / "cut.json", "{\"frames\": [");
+  EXPECT_EQ(error_of([&] { MaskFolder{folder.path() / "cut.json"}; }).detail().code, "BAD_JSON");
+}
+
 TEST_F(ListedMasks, AreTheFilesThatCountForTheCache) {
   const fs::path json = folder.path() / "transforms.json";
   masks("masks/front/0.png", "./masks/back/0.png");
