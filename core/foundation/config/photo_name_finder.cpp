@@ -44,20 +44,25 @@ int hex_digit(char c) {
   return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
+// "a%20b.jpg" -> "a b.jpg"
+std::string percent_decoded(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const int high = text[i] == '%' && i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+    const int low = high >= 0 ? hex_digit(text[i + 2]) : -1;
+    if (low >= 0)
+      out += static_cast<char>(16 * high + low), i += 2;
+    else
+      out += text[i];
+  }
+  return out;
+}
+
 // "file:///a%20b.jpg" -> "/a b.jpg"
 std::string without_scheme(const std::string& name) {
   constexpr std::string_view kScheme = "file://";
   if (name.size() < kScheme.size() || folded_name(name.substr(0, kScheme.size())) != kScheme) return name;
-  std::string out;
-  for (size_t i = kScheme.size(); i < name.size(); ++i) {
-    const int high = name[i] == '%' && i + 2 < name.size() ? hex_digit(name[i + 1]) : -1;
-    const int low = high >= 0 ? hex_digit(name[i + 2]) : -1;
-    if (low >= 0)
-      out += static_cast<char>(16 * high + low), i += 2;
-    else
-      out += name[i];
-  }
-  return out;
+  return percent_decoded(std::string_view(name).substr(kScheme.size()));
 }
 
 std::string folder_of(const std::vector<std::string>& parts, size_t common) {
@@ -185,10 +190,18 @@ void PhotoNameFinder::decide(std::vector<Query>& queries) const {
 }
 
 std::vector<PhotoMatch> PhotoNameFinder::match(std::span<const std::string> names, std::span<const fs::path> folders) const {
-  const auto query = [&](const std::string& name) {
+  const auto as_written = [&](const std::string& name) {
     Query q{.parts = {parts_of(name), {}}, .best = {}};
     for (const std::string& part : q.parts[0]) q.parts[1].push_back(folded_name(part));
     return q;
+  };
+  // Some programs write names as in addresses of the web: "a%20b.jpg" may be a photo of that name, else it is "a b.jpg".
+  const auto query = [&](const std::string& name) {
+    Query q = as_written(name);
+    if (name.find('%') == std::string::npos || q.parts[0].empty()) return q;
+    for (size_t level = 0; level < kLevels; ++level)
+      if (!candidates(q, level).empty()) return q;
+    return as_written(percent_decoded(name));
   };
   std::vector<Query> queries;
   for (const std::string& name : names) queries.push_back(query(name));

@@ -6,6 +6,7 @@
 //   2. the longest path suffix ("/home/me/set/images/a.jpg" -> "images/a.jpg" -> "a.jpg");
 //   3. for equal suffixes: exact; case-insensitive, accents normalised; without extension ("r_0", "a.jpg.png"); both;
 //   4. the folder that matches most names of the file; then the photo whose whole path is a suffix of the name.
+// A name that matches nothing is decoded ("a%20b.jpg" -> "a b.jpg") and tried again.
 // A name that is still ambiguous is resolved by the folders that belong to the file, if the photo exists there. Otherwise it
 // matches nothing, and the candidates are reported.
 #pragma once

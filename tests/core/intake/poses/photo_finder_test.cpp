@@ -56,7 +56,15 @@ TEST(PhotoNames, OfWindowsAreUnderstood) {
   EXPECT_EQ(meant({"a\\b.jpg", "b.jpg"}, {"a\\b.jpg"}), Names{"a\\b.jpg"});
 }
 
-TEST(PhotoNames, AsAddressesAreUnderstood) { EXPECT_EQ(meant({"a b.jpg"}, {"file:///home/me/a%20b.jpg"}), Names{"a b.jpg"}); }
+TEST(PhotoNames, AsAddressesAreUnderstood) {
+  EXPECT_EQ(meant({"a b.jpg"}, {"file:///home/me/a%20b.jpg"}), Names{"a b.jpg"});
+  EXPECT_EQ(meant({"my set/a b.jpg", "c.jpg"}, {"my%20set/A%20B", "c.jpg"}), (Names{"my set/a b.jpg", "c.jpg"}));
+  EXPECT_EQ(meant({"h\xc3\xa4user 1.jpg"}, {"images/h%C3%A4user%201.jpg"}), Names{"h\xc3\xa4user 1.jpg"});
+  // A photo may have such a name, and a per cent sign need not mean anything.
+  EXPECT_EQ(meant({"a%20b.jpg", "a b.jpg"}, {"a%20b.jpg", "a b.jpg"}), (Names{"a%20b.jpg", "a b.jpg"}));
+  EXPECT_EQ(meant({"50%.jpg", "100%zz.jpg"}, {"50%.jpg", "100%zz.jpg"}), (Names{"50%.jpg", "100%zz.jpg"}));
+  EXPECT_EQ(meant({"a b.jpg"}, {"%2F", "%", "a%2", "x%20b.jpg"}), (Names{"-", "-", "-", "-"}));
+}
 
 TEST(PhotoNames, MayLackOrChangeTheExtension) {
   EXPECT_EQ(meant({"r_0.png", "r_10.png"}, {"./train/r_0", "r_10.jpg"}), (Names{"r_0.png", "r_10.png"}));
