@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numeric>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
@@ -43,6 +44,32 @@ bool usual_resize(const PixelSize& a, const PixelSize& b) {
   constexpr double kClearlySmaller = 0.85;
   const PixelSize &small = a.width < b.width ? a : b, &large = a.width < b.width ? b : a;
   return divided(large, small) || (small.width < kClearlySmaller * large.width && round_side(small));
+}
+
+// Sizes that a program rounded to multiples of a number, one side more than the other: 518 x 392 (of 14) for 4:3.
+bool rounded_size(const PixelSize& given, const PixelSize& photo) {
+  constexpr double kMost = 0.01;  // of the aspect ratio
+  constexpr long kLeastMultiple = 8;
+  const long w = std::lround(given.width), h = std::lround(given.height);
+  if (w <= 0 || h <= 0 || photo.width <= 0 || photo.height <= 0) return false;
+  const long step = std::gcd(w, h);
+  const double ratio = given.width * photo.height / (given.height * photo.width);
+  return step >= kLeastMultiple && std::abs(ratio - 1) <= kMost &&
+         std::abs(given.height - given.width * photo.height / photo.width) <= double(step);
+}
+
+bool fits(const PixelSize& photo, double width, double height) {
+  return same_shape(int(photo.width), int(photo.height), width, height) || rounded_size({width, height}, photo);
+}
+
+// A camera of one focal length as one of two.
+ColmapCamera with_two_focals(ColmapCamera camera) {
+  const bool lens = camera.params.size() > 3;
+  const double f = camera.params[0], k1 = lens ? camera.params[3] : 0, k2 = camera.params.size() > 4 ? camera.params[4] : 0;
+  camera.params = {f, f, camera.params[1], camera.params[2]};
+  if (lens) camera.params.insert(camera.params.end(), {k1, k2, 0, 0});
+  camera.model_id = colmap_camera_type(lens ? "OPENCV" : "PINHOLE")->id;
+  return camera;
 }
 
 PixelSize picture_size(const fs::path& file) {
@@ -134,8 +161,8 @@ bool PosePixels::open() const {
 PosedPhoto posed_photo(const Photo& photo, double width, double height) {
   PosedPhoto p{.name = photo.name, .orientation = photo.orientation, .given = {width, height}};
   p.stored = stored_size(photo), p.upright = upright_size(photo);
-  p.fits_upright = same_shape(photo.width, photo.height, width, height);
-  p.fits_stored = same_shape(int(p.stored.width), int(p.stored.height), width, height);
+  p.fits_upright = fits(p.upright, width, height);
+  p.fits_stored = fits(p.stored, width, height);
   return p;
 }
 
@@ -234,8 +261,10 @@ void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos,
     if (p.for_stored && swaps_sides(p.orientation)) std::swap(original.width, original.height);
     const PixelSize ingested = p.for_stored ? p.stored : p.upright;
     if (same(p.given, original) || same(p.given, ingested)) continue;
-    const std::string sizes =
-        fmt::format("the cameras are for {} pixels, the photos have {}", size_text(p.given), size_text(original));
+    std::string sizes = fmt::format("the cameras are for {} pixels, the photos have {}", size_text(p.given), size_text(original));
+    if (!same_shape(int(original.width), int(original.height), p.given.width, p.given.height))
+      sizes += fmt::format(" (the aspect ratio differs by {:.1f} %: each side has its own scale)",
+                           100 * std::abs(p.given.width * original.height / (p.given.height * original.width) - 1));
     const bool usual_ratio = usual_resize(p.given, original), straight = !is_distorted(cameras[i]);
     const bool ours = straight && std::ranges::any_of(resampled, [&](const Resampled& r) {
                         return same(r.undistorted, p.given) && (same(r.photographed, original) || same(r.photographed, ingested));
@@ -273,6 +302,8 @@ ColmapCamera camera_on_photo(const ColmapCamera& given, const PosedPhoto& photo)
   const PixelSize& to = photo.for_stored ? photo.stored : photo.upright;
   const double sx = to.width / double(given.width), sy = to.height / double(given.height);
   ColmapCamera camera = given;
+  if (!has_two_focals(camera.model_id) && !same_shape(int(to.width), int(to.height), double(given.width), double(given.height)))
+    camera = with_two_focals(std::move(camera));
   if (has_two_focals(camera.model_id)) {
     camera.params[0] *= sx, camera.params[1] *= sy, camera.params[2] *= sx, camera.params[3] *= sy;
   } else {

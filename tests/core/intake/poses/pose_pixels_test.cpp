@@ -251,6 +251,42 @@ TEST(PosePixels, UsualSizesAreScaledQuietlyAndOddOnesWithAWarning) {
   }
 }
 
+// Networks of patches of 14 pixels: 640 x 480 becomes 518 x 392, 0.9 % off.
+TEST(PosePixels, SizesRoundedToMultiplesAreScaledBySide) {
+  const ColmapCamera lenses[] = {{1, 1, 640, 480, {600, 600, 320, 240}},
+                                 {1, 0, 640, 480, {600, 320, 240}},
+                                 {1, 2, 640, 480, {600, 320, 240, 0.02}},
+                                 {1, 3, 640, 480, {600, 320, 240, 0.02, -0.01}}};
+  for (const ColmapCamera& lens : lenses) {
+    const ColmapModel truth = lens_scene(lens);
+    const double sx = 518.0 / 640, sy = 392.0 / 480;
+    ColmapModel given = truth;  // pictures resized by side; a camera of one focal length has that of the width
+    given.cameras[0].width = 518, given.cameras[0].height = 392;
+    for (size_t k = 0; k < (lens.model_id == 1 ? 4 : 3); ++k)
+      given.cameras[0].params[k] *= (lens.model_id == 1 ? k % 2 == 1 : k == 2) ? sy : sx;
+    PosePixels pixels;
+    const ColmapModel model = read(given, turned_photos(truth, std::vector<int>(8, 1)), pixels);
+    const Intrinsics k = pinhole_part(model.cameras[0]);
+    EXPECT_NEAR(k.fx, 600, 1e-9);
+    EXPECT_NEAR(k.fy, lens.model_id == 1 ? 600 : 600 * sx / sy, 1e-9);
+    EXPECT_NEAR(k.cx, 320, 1e-9);
+    EXPECT_NEAR(k.cy, 240, 1e-9);
+    EXPECT_EQ(is_distorted(model.cameras[0]), lens.model_id > 1);
+    ASSERT_EQ(pixels.notes.size(), 1u);
+    EXPECT_EQ(pixels.notes[0].code, "POSES_RESIZED");
+    EXPECT_NE(pixels.notes[0].text.find("the aspect ratio differs by 0.9 %: each side has its own scale"), std::string::npos)
+        << pixels.notes[0].text;
+  }
+  // Off by more, and off by as much without being rounded.
+  const ColmapModel truth = lens_scene({1, 1, 640, 480, {600, 600, 320, 240}});
+  for (const auto& [width, height] : {std::pair(518, 378), {636, 481}, {517, 391}}) {
+    ColmapModel given = truth;
+    given.cameras[0].width = uint64_t(width), given.cameras[0].height = uint64_t(height);
+    PosePixels pixels;
+    EXPECT_EQ(error_of([&] { read(given, turned_photos(truth, std::vector<int>(8, 1)), pixels); }).detail().code, "POSES_SIZE");
+  }
+}
+
 TEST(PosePixels, PosesOfUndistortedPicturesAreRefusedAndThePicturesNamed) {
   const ColmapModel truth = lens_scene({1, 1, 640, 480, {600, 600, 320, 240}});
   const std::vector<Photo> photos = turned_photos(truth, std::vector<int>(8, 1));
