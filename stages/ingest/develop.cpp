@@ -45,6 +45,7 @@ Developed develop(const fs::path& path, int max_side, const RawBalance& balance)
   photo.zoom = zoom_of(exif);
   photo.exposure_ev = exposure_ev(exif);
   photo.flash = exif.flash;
+  photo.gps = exif.gps;
   photo.cut_out = d.color.alpha;
   photo.camera = exif.camera;
   photo.time = exif.time;

@@ -258,7 +258,7 @@ void describe(Describer& d, IngestConfig& c) {
 Stage ingest_stage() {
   return make_stage<IngestConfig>(
       {.name = "ingest",
-       .version = 5,
+       .version = 6,
        .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
        .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."}},
        .doing = "reading the photos",

@@ -23,7 +23,7 @@
 #include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/feature_network_file.h"
 #include "tests/support/tiff_file.h"
-#include "tests/support/tiny_photos.h"
+#include "tests/support/gps_exif.h"
 
 namespace vitrine {
 
@@ -217,6 +217,11 @@ std::vector<std::string> photo_corpus() {
                    [&](const fs::path& p) {
                      write_ldr(p, gradient8(24, 18, 3));
                      add_exif(p, exif);
+                   }),
+          bytes_of("made.jpg",
+                   [&](const fs::path& p) {
+                     write_ldr(p, gradient8(24, 18, 3));
+                     add_exif(p, exif_with_gps(place_tags(-47.5, 8.25, 431)));
                    }),
           file("made.jpg", 1),
           file("made.png", 3),

@@ -28,7 +28,7 @@ class Fields {
 
 struct Tag {
   unsigned id;
-  char type;              // 's' short, 'l' long, 'r' rational, 'a' text
+  char type;              // 's' short, 'l' long, 'r' rational, 'a' text, 'b' byte, 'R' rationals: `text` has their bytes
   unsigned a = 0, b = 1;  // value, or numerator and denominator
   std::string text = {};
 };
@@ -50,6 +50,12 @@ inline std::string directory(const std::vector<Tag>& tags, unsigned at, bool big
         break;
       case 'r':
         out.u16(5), out.u32(1), out.u32(here), values.u32(t.a), values.u32(t.b);
+        break;
+      case 'b':
+        out.u16(1), out.u32(1), out.raw(std::string{static_cast<char>(t.a), 0, 0, 0});
+        break;
+      case 'R':
+        out.u16(5), out.u32(static_cast<unsigned>(t.text.size() / 8)), out.u32(here), values.raw(t.text);
         break;
       default: {
         std::string s = t.text + '\0';

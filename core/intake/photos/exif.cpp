@@ -1,5 +1,7 @@
 #include "core/intake/photos/exif.h"
 
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <memory>
 
@@ -80,6 +82,69 @@ std::optional<double> sensitivity(ExifData* data) {
   return std::nullopt;
 }
 
+// Degrees, minutes and seconds as rationals (EXIF 2.3, GPSLatitude). A part of 0/0 after the first counts as zero.
+std::optional<double> angle_deg(ExifData* data, ExifTag tag, double limit) {
+  const ExifEntry* e = entry_of(data, EXIF_IFD_GPS, tag);
+  if (!e || e->format != EXIF_FORMAT_RATIONAL || e->components > 3) return std::nullopt;
+  const unsigned step = exif_format_get_size(EXIF_FORMAT_RATIONAL);
+  if (e->size < step * e->components) return std::nullopt;
+  const ExifByteOrder order = exif_data_get_byte_order(data);
+  constexpr std::array<double, 3> kParts{1, 60, 3600};
+  double sum = 0;
+  for (unsigned i = 0; i < e->components; ++i) {
+    const ExifRational r = exif_get_rational(e->data + step * i, order);
+    if (r.denominator == 0 && (i == 0 || r.numerator != 0)) return std::nullopt;
+    const double part = r.denominator != 0 ? double(r.numerator) / r.denominator : 0;
+    if (i > 0 && part > 60) return std::nullopt;  // 60 itself is 59.99 rounded
+    sum += part / kParts[i];
+  }
+  return sum <= limit ? std::optional(sum) : std::nullopt;
+}
+
+// GPSAltitudeRef: 1 and 3 are below zero. An altitude of exactly zero is what receivers write that do not know it.
+std::optional<double> altitude_m(ExifData* data) {
+  constexpr double kHighest = 20000, kLowest = 12000;
+  const auto above = positive(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_ALTITUDE));
+  if (!above) return std::nullopt;
+  const ExifEntry* e = entry_of(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_ALTITUDE_REF));
+  const bool below = e && e->format == EXIF_FORMAT_BYTE && (e->data[0] & 1) != 0;
+  if (*above > (below ? kLowest : kHighest)) return std::nullopt;
+  return below ? -*above : *above;
+}
+
+// Horizontal error in metres. A dilution of precision multiplies the error of one range, a few metres on receivers of one
+// frequency (GPS SPS Performance Standard, 2020).
+std::optional<double> stated_error_m(ExifData* data) {
+  constexpr double kRangeError_m = 2.5;
+  if (const auto error = positive(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_H_POSITIONING_ERROR))) return error;
+  const auto dilution = positive(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_DOP));
+  return dilution ? std::optional(kRangeError_m * *dilution) : std::nullopt;
+}
+
+// Datums within a metre of WGS84 give an empty name.
+std::string other_datum(const std::string& written) {
+  std::string letters;
+  for (const char c : written)
+    if (std::isalnum(static_cast<unsigned char>(c))) letters += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const char* same : {"WGS84", "WGS1984", "JGD2000", "JGD2011", "ETRS89", "NAD83", "GDA94", "GDA2020", "ITRF"})
+    if (letters.starts_with(same)) return "";
+  return letters.empty() ? "" : written;
+}
+
+std::optional<GpsPosition> gps_position(ExifData* data) {
+  const auto latitude = angle_deg(data, ExifTag(EXIF_TAG_GPS_LATITUDE), 90);
+  const auto longitude = angle_deg(data, ExifTag(EXIF_TAG_GPS_LONGITUDE), 180);
+  if (!latitude || !longitude || (*latitude == 0 && *longitude == 0)) return std::nullopt;
+  const std::string ns = text(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_LATITUDE_REF));
+  const std::string ew = text(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_LONGITUDE_REF));
+  if ((ns != "N" && ns != "S") || (ew != "E" && ew != "W")) return std::nullopt;
+  return GpsPosition{.latitude = ns == "S" ? -*latitude : *latitude,
+                     .longitude = ew == "W" ? -*longitude : *longitude,
+                     .altitude = altitude_m(data),
+                     .datum = other_datum(text(data, EXIF_IFD_GPS, ExifTag(EXIF_TAG_GPS_MAP_DATUM))),
+                     .error_m = stated_error_m(data)};
+}
+
 }  // namespace
 
 Exif parse_exif(std::string_view block) {
@@ -110,6 +175,7 @@ Exif parse_exif(std::string_view block) {
   if (exif.time.empty()) exif.time = text(d, EXIF_IFD_0, EXIF_TAG_DATE_TIME);
   if (const auto space = positive(d, EXIF_IFD_EXIF, EXIF_TAG_COLOR_SPACE)) exif.color_space = static_cast<int>(*space);
   exif.interoperability = text(d, EXIF_IFD_INTEROPERABILITY, EXIF_TAG_INTEROPERABILITY_INDEX);
+  exif.gps = gps_position(d);
   return exif;
 }
 

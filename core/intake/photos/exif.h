@@ -1,4 +1,4 @@
-// EXIF metadata of a photo, read with libexif: orientation, focal length, exposure, camera, time.
+// EXIF metadata of a photo, read with libexif: orientation, focal length, exposure, camera, time, place.
 #pragma once
 
 #include <optional>
@@ -6,6 +6,15 @@
 #include <string_view>
 
 namespace vitrine {
+
+// Place of the camera by its receiver (EXIF 2.3, GPS directory).
+struct GpsPosition {
+  double latitude = 0, longitude = 0;   // degrees, north and east positive
+  std::optional<double> altitude = {};  // metres above sea level
+  std::string datum = {};               // GPSMapDatum where it differs from WGS84 by more than a metre, else empty
+  std::optional<double> error_m = {};   // horizontal error as stated: GPSHPositioningError, else from GPSDOP
+  bool operator==(const GpsPosition&) const = default;
+};
 
 struct Exif {
   int orientation = 1;               // 1..8
@@ -16,9 +25,10 @@ struct Exif {
   double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = missing
   std::optional<double> exposure_s, f_number, iso;
   std::string camera, time;
-  bool flash = false;            // Flash, bit 0: the camera's flash fired
-  int color_space = -1;          // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = missing
-  std::string interoperability;  // InteroperabilityIndex: "R98", "R03" (Adobe RGB), or empty
+  bool flash = false;              // Flash, bit 0: the camera's flash fired
+  int color_space = -1;            // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = missing
+  std::string interoperability;    // InteroperabilityIndex: "R98", "R03" (Adobe RGB), or empty
+  std::optional<GpsPosition> gps;  // nullopt: missing, out of range, or zero in both angles
 };
 
 // `block`: from exif_block. Damaged blocks return the readable fields, an empty one the defaults.

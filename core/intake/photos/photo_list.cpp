@@ -1,5 +1,8 @@
 #include "core/intake/photos/photo_list.h"
 
+#include <cmath>
+#include <stdexcept>
+
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/folder_files.h"
 #include "core/foundation/config/json_file.h"
@@ -17,6 +20,26 @@ nlohmann::json json_of(const std::optional<T>& v) {
 
 std::optional<double> optional_number(const nlohmann::json& j) {
   return j.is_null() ? std::nullopt : std::optional<double>(j.get<double>());
+}
+
+nlohmann::json gps_json(const GpsPosition& p) {
+  nlohmann::json j{{"latitude", p.latitude}, {"longitude", p.longitude}};
+  if (p.altitude) j["altitude"] = *p.altitude;
+  if (!p.datum.empty()) j["datum"] = p.datum;
+  if (p.error_m) j["error_m"] = *p.error_m;
+  return j;
+}
+
+GpsPosition gps_of(const nlohmann::json& j) {
+  GpsPosition p{.latitude = j.at("latitude").get<double>(), .longitude = j.at("longitude").get<double>()};
+  if (!(std::abs(p.latitude) <= 90) || !(std::abs(p.longitude) <= 180))
+    throw std::invalid_argument("a latitude or longitude is out of range");
+  if (j.contains("altitude")) p.altitude = j.at("altitude").get<double>();
+  p.datum = j.value("datum", "");
+  if (j.contains("error_m")) p.error_m = j.at("error_m").get<double>();
+  if ((p.altitude && !std::isfinite(*p.altitude)) || (p.error_m && !(*p.error_m > 0)))
+    throw std::invalid_argument("an altitude is not finite, or an error is not positive");
+  return p;
 }
 
 fs::path with_suffix(const fs::path& folder, const std::string& stem, const char* extension) {
@@ -47,6 +70,7 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.flash = j.value("flash", false);
       p.cut_out = j.value("cut_out", false);
       if (j.contains("zoom")) p.zoom = optional_number(j.at("zoom"));
+      if (j.contains("gps")) p.gps = gps_of(j.at("gps"));
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
       p.color_profile = j.at("color_profile").get<std::string>();
@@ -84,6 +108,7 @@ void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) 
     if (p.flash) list.back()["flash"] = true;
     if (p.cut_out) list.back()["cut_out"] = true;
     if (p.zoom) list.back()["zoom"] = *p.zoom;
+    if (p.gps) list.back()["gps"] = gps_json(*p.gps);
   }
   write_json_file(folder / "ingest" / "photos.json", {{"photos", list}});
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/intake/photos/exif.h"
+
 namespace vitrine {
 
 struct Photo {
@@ -27,6 +29,7 @@ struct Photo {
   bool flash = false;                 // the camera's flash fired: the light moves with the camera
   bool cut_out = false;               // its file has an alpha channel that varies: the background may be missing
   std::optional<double> zoom;         // FocalLength in millimetres times DigitalZoomRatio: equal for photos with one focal length
+  std::optional<GpsPosition> gps;     // place of the camera by EXIF
   bool operator==(const Photo&) const = default;
 };
 
