@@ -131,6 +131,7 @@ std::vector<std::string> records_corpus() {
     photos[i].source = photos[i].name;
     photos[i].width = photos[i].original_width = 80, photos[i].height = photos[i].original_height = 60;
     photos[i].focal_px = 70.5;
+    if (i == 1) photos[i].gps = GpsPosition{47.5, -8.25, 431.5, "TOKYO", 4.5};
   }
   write_photo_list(fuzz_folder() / "made", photos);
   Manifest manifest;
@@ -140,6 +141,12 @@ std::vector<std::string> records_corpus() {
   return {
       read_file(fuzz_folder() / "made/ingest/photos.json"),
       written("scene.json", [](const fs::path& p) { write_scene_info(p, {}); }),
+      written("placed.json",
+              [](const fs::path& p) {
+                SceneInfo s;
+                s.geo = GeoOrigin{47.5, -8.25, 431.5, 12};
+                write_scene_info(p, s);
+              }),
       written("gains.json",
               [](const fs::path& p) {
                 write_gains(p, {{"b.jpg", {1, 1.1, 0.9}}, {"left/a.jpg", {1, 1, 1}}});

@@ -23,7 +23,32 @@ Mat3d mat3_of(const nlohmann::json& j) {
   return transposed(Mat3d{vec3_of(j[0]), vec3_of(j[1]), vec3_of(j[2])});
 }
 
+GeoOrigin geo_of(const nlohmann::json& j) {
+  GeoOrigin g{.latitude = j.at("latitude").get<double>(), .longitude = j.at("longitude").get<double>()};
+  if (j.contains("altitude")) g.altitude = j.at("altitude").get<double>();
+  g.metres_per_unit = j.at("metres_per_unit").get<double>();
+  if (!(std::abs(g.latitude) <= 90) || !(std::abs(g.longitude) <= 180) || !(g.metres_per_unit > 0))
+    throw std::invalid_argument("enu_origin is not a place with a scale");
+  return g;
+}
+
 }  // namespace
+
+nlohmann::json json_of(const GeoOrigin& g) {
+  nlohmann::json j{{"latitude", g.latitude},
+                   {"longitude", g.longitude},
+                   {"metres_per_unit", g.metres_per_unit},
+                   {"axes", "x east, y north, z up"}};
+  if (g.altitude) j["altitude"] = *g.altitude;
+  return j;
+}
+
+void add_geo_origin(const fs::path& transforms_json, const GeoOrigin& origin) {
+  nlohmann::json document;
+  read_json_file(transforms_json, "transforms.json", [&](const nlohmann::json& j) { document = j; });
+  document["enu_origin"] = json_of(origin);
+  write_json_file(transforms_json, document);
+}
 
 SceneInfo read_scene_info(const fs::path& path) {
   SceneInfo s;
@@ -37,20 +62,23 @@ SceneInfo read_scene_info(const fs::path& path) {
     s.bounds = {vec3_of(j.at("bounds").at("low")), vec3_of(j.at("bounds").at("high"))};
     s.color_space = j.at("color_space").get<std::string>();
     s.scale_known = j.at("scale_known").get<bool>();
+    if (j.contains("enu_origin")) s.geo = geo_of(j.at("enu_origin"));
   });
   return s;
 }
 
 void write_scene_info(const fs::path& path, const SceneInfo& s) {
-  write_json_file(path, {{"scene_from_colmap",
-                          {{"scale", s.scene_from_colmap.scale},
-                           {"rotation", json_of(s.scene_from_colmap.rotation)},
-                           {"translation", json_of(s.scene_from_colmap.translation)}}},
-                         {"up", json_of(s.up)},
-                         {"radius", s.radius},
-                         {"bounds", {{"low", json_of(s.bounds.low)}, {"high", json_of(s.bounds.high)}}},
-                         {"color_space", s.color_space},
-                         {"scale_known", s.scale_known}});
+  nlohmann::json j = {{"scene_from_colmap",
+                       {{"scale", s.scene_from_colmap.scale},
+                        {"rotation", json_of(s.scene_from_colmap.rotation)},
+                        {"translation", json_of(s.scene_from_colmap.translation)}}},
+                      {"up", json_of(s.up)},
+                      {"radius", s.radius},
+                      {"bounds", {{"low", json_of(s.bounds.low)}, {"high", json_of(s.bounds.high)}}},
+                      {"color_space", s.color_space},
+                      {"scale_known", s.scale_known}};
+  if (s.geo) j["enu_origin"] = json_of(*s.geo);
+  write_json_file(path, j);
 }
 
 Gains read_gains(const fs::path& path) {

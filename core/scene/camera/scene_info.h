@@ -4,12 +4,26 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "core/foundation/math/rigid.h"
 
 namespace vitrine {
+
+// Place of the scene's origin on the earth (WGS84) where GPS coordinates of the photos determined the frame: +x is then east, +y
+// north.
+struct GeoOrigin {
+  double latitude = 0, longitude = 0;   // degrees, north and east positive
+  std::optional<double> altitude = {};  // metres above sea level, as receivers write it
+  double metres_per_unit = 1;           // of the scene
+};
+nlohmann::json json_of(const GeoOrigin& origin);
+// Adds the field enu_origin to a transforms.json; other readers skip it.
+void add_geo_origin(const std::filesystem::path& transforms_json, const GeoOrigin& origin);
 
 struct SceneInfo {
   Similarity scene_from_colmap;  // its inverse gives COLMAP's frame
@@ -17,7 +31,14 @@ struct SceneInfo {
   double radius = 1;  // 95th percentile distance of the cameras from their centroid
   Bounds3 bounds;     // of the sparse points
   std::string color_space = "lin_rec709";
-  bool scale_known = false;  // one unit corresponds to a known length in metres
+  bool scale_known = false;      // one unit corresponds to a known length in metres
+  std::optional<GeoOrigin> geo;  // a known place has a known scale
+
+  // Metres of a scene unit; nullopt: unknown. Without GPS the frame of the poses is in metres if their scale is known.
+  std::optional<double> metres_per_unit() const {
+    if (geo) return geo->metres_per_unit;
+    return scale_known ? std::optional(1 / scene_from_colmap.scale) : std::nullopt;
+  }
 };
 
 SceneInfo read_scene_info(const std::filesystem::path& path);

@@ -233,6 +233,30 @@ TEST(SceneInfo, RoundTripsAndGainsMustBePositive) {
   EXPECT_NE(why_refused([&] { read_gains(folder.path() / "gains.json"); }).find("positive"), std::string::npos);
 }
 
+TEST(SceneInfo, HasThePlaceOnlyWhereItIsKnown) {
+  TemporaryFolder folder;
+  const fs::path path = folder.path() / "scene.json";
+  SceneInfo s;
+  s.scene_from_colmap.scale = 0.25;
+  write_scene_info(path, s);
+  EXPECT_EQ(read_file(path).find("enu_origin"), std::string::npos);
+  EXPECT_FALSE(read_scene_info(path).metres_per_unit());
+  s.scale_known = true;
+  EXPECT_EQ(s.metres_per_unit(), 4) << "without a place the frame of the poses is in metres";
+  s.geo = GeoOrigin{.latitude = -33.8567844, .longitude = 151.2152967, .altitude = 4.5, .metres_per_unit = 31.25};
+  write_scene_info(path, s);
+  const SceneInfo back = read_scene_info(path);
+  ASSERT_TRUE(back.geo);
+  EXPECT_EQ(back.geo->latitude, s.geo->latitude);
+  EXPECT_EQ(back.geo->longitude, s.geo->longitude);
+  EXPECT_EQ(back.geo->altitude, 4.5);
+  EXPECT_EQ(back.metres_per_unit(), 31.25);
+  std::string bad = read_file(path);
+  bad.replace(bad.find("31.25"), 5, "-1.00");
+  write_file(path, bad);
+  EXPECT_NE(why_refused([&] { read_scene_info(path); }).find("enu_origin"), std::string::npos);
+}
+
 TEST(PhotoList, RoundTripsIncludingWhatIsUnknown) {
   TemporaryFolder folder;
   std::vector<Photo> photos = {{"a.jpg", "a", "a.jpg", 100, 50, 400, 200, 6, 612.5, "exif FocalLengthIn35mmFilm", 11.25,
