@@ -79,7 +79,9 @@ StageReport sfm_report() {
                    "Sparse points that a photo sees, median over the photos.",
                    "Few points hold a pose: plain surfaces or little overlap.", "photos.*.observations"}
           .folded("median", "registered")};
-  report.facts = {{kPoses, "{points.kept:n} sparse points"}, {kPoses, "{passes.text}; the object was moved between them"}};
+  report.facts = {{kPoses, "{points.kept:n} sparse points"},
+                  {kPoses, "{passes.text}; the object was moved between them"},
+                  {kPoses, "{gps.text}"}};
   return report;
 }
 

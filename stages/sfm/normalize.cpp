@@ -123,13 +123,13 @@ Orientation scene_up(const ColmapModel& model, UpMethod method) {
   return coarse;
 }
 
-Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation) {
+Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation, const Vec3d& east) {
   const Cameras c = cameras_of(model);
   VITRINE_CHECK(!c.centres.empty(), "no camera to orient a scene by");
   const Vec3d z = normalized(orientation.up);
   // Heading: direction from the centroid to the first camera, so that the frame depends only on the model.
   Vec3d x{};
-  for (const Vec3d& seed : {c.centres[0] - c.centroid, c.right[0], Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}) {
+  for (const Vec3d& seed : {east, c.centres[0] - c.centroid, c.right[0], Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}) {
     x = seed - dot(seed, z) * z;
     if (length(x) > 1e-6 * (1e-300 + length(seed))) break;
   }

@@ -1,4 +1,5 @@
 // Scene frame: up = +z, camera centroid at 0, 95 % of the cameras within radius 1 (core/conventions.md).
+// gps_frame.h determines up and east from GPS coordinates, where there are any.
 #pragma once
 
 #include <array>
@@ -24,6 +25,7 @@ struct Orientation {
 // around the scene refine it with the normal of their plane. Views straight down (drones) have no up of their own: up = -mean
 // forward. `method`: Auto, or one of the four to insist.
 Orientation scene_up(const ColmapModel& model, UpMethod method = UpMethod::Auto);
-Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation);
+// +x is the horizontal part of `east`, or without it the direction from the centroid to the first camera.
+Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation, const Vec3d& east = {});
 
 }  // namespace vitrine

@@ -96,6 +96,17 @@ nlohmann::json passes_json(const ObjectPasses& passes) {
   return j;
 }
 
+nlohmann::json gps_json(const GpsFit& fit) {
+  nlohmann::json j{{"photos", fit.photos}, {"used", fit.used()}, {"text", gps_text(fit)}};
+  if (fit.used()) {
+    j["agreeing"] = fit.agreeing;
+    j["rms_m"] = fit.rms_m;
+    j["scale_precision"] = fit.precision;
+    j["metres_per_unit"] = fit.metres_per_unit;
+  }
+  return j;
+}
+
 }  // namespace
 
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera) {
@@ -214,7 +225,9 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
                    {"kept", m.points.size()},
                    {"observations", observations}};
     if (observations > 0) j["mean_reprojection_error_px"] = error / double(observations);  // else there is none
-    j["up"] = {{"method", kUpMethodWords[size_t(desc.orientation.method)]},
+    const bool by_gps = desc.gps != nullptr && desc.gps->used();
+    if (desc.gps != nullptr) j["gps"] = gps_json(*desc.gps);
+    j["up"] = {{"method", by_gps ? "gps" : kUpMethodWords[size_t(desc.orientation.method)]},
                {"in_colmap_frame", {desc.orientation.up.x, desc.orientation.up.y, desc.orientation.up.z}}};
   }
   write_file(path, j.dump(2) + "\n");

@@ -6,6 +6,7 @@
 
 #include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/undistort.h"
+#include "stages/sfm/gps_frame.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/point_filter.h"
@@ -36,6 +37,7 @@ struct SfmReportDesc {
   Orientation orientation = {};
   FilterCounts points = {};
   const ObjectPasses* passes = nullptr;  // null: not searched
+  const GpsFit* gps = nullptr;           // null: no photo has coordinates
   std::string code = {};                 // of the diagnosis, for a failed run
 };
 

@@ -8,21 +8,22 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
+#include "core/intake/masks/mask_files.h"
+#include "core/intake/photos/measures.h"
+#include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/given_poses.h"
 #include "core/intake/poses/named_poses.h"
-#include "core/intake/masks/mask_files.h"
-#include "core/intake/photos/photo_list.h"
 #include "core/intake/poses/pose_check.h"
 #include "core/intake/poses/pose_files.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/intake/photos/measures.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
+#include "stages/sfm/gps_frame.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
 #include "stages/sfm/zoom_groups.h"
@@ -244,6 +245,12 @@ Gains photo_gains(const ColmapModel& model, const std::vector<Photo>& photos, co
   return gains;
 }
 
+void report_gps(const std::optional<GpsFit>& gps, StageContext& context) {
+  if (!gps) return;
+  log_info("sfm: {}", gps_text(*gps));
+  if (gps->used()) context.metric("metres_per_unit", gps->metres_per_unit);
+}
+
 void run(const SfmConfig& config, StageContext& context) {
   const fs::path ingest = context.input("ingest"), output = context.output();
   std::vector<Photo> photos = read_photo_list(ingest);
@@ -290,9 +297,14 @@ void run(const SfmConfig& config, StageContext& context) {
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
   // With several passes, use one: each pass has another side of the object up.
-  const Orientation orientation = scene_up(s.passes.joined() ? restricted(model, s.passes.passes[0]) : model, config.up);
-  SceneInfo scene;
-  scene.scene_from_colmap = scene_from_colmap(model, orientation);
+  const ColmapModel still = s.passes.joined() ? restricted(model, s.passes.passes[0]) : model;
+  Orientation orientation = scene_up(still, config.up);
+  std::optional<GpsFit> gps =
+      fitted_gps(gps_sightings(still, photos), {.orientation = orientation,
+                                                .up_chosen = config.up != UpMethod::Auto,
+                                                .given_poses = context.optional_input("poses").has_value()});
+  SceneInfo scene = framed_scene(model, orientation, gps);
+  report_gps(gps, context);
   transform_world(model, scene.scene_from_colmap);
   for (const ColmapPoint3D& p : model.points) scene.bounds.extend(p.position);
   if (model.points.size() < kFewPoints)
@@ -312,6 +324,7 @@ void run(const SfmConfig& config, StageContext& context) {
   write_gains(output / "sfm" / "gains.json", photo_gains(model, photos, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
+  if (scene.geo) add_geo_origin(output / "transforms.json", *scene.geo);
   write_lenses(output / "sfm" / "lenses.json", undistortions, model, r, photos);
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
                                                     .colmap = s.colmap,
@@ -319,7 +332,8 @@ void run(const SfmConfig& config, StageContext& context) {
                                                     .undistortions = undistortions,
                                                     .orientation = orientation,
                                                     .points = counts,
-                                                    .passes = &s.passes});
+                                                    .passes = &s.passes,
+                                                    .gps = gps ? &*gps : nullptr});
   double error = 0, observations = 0;
   for (const ColmapPoint3D& p : model.points) {
     error += p.error_px * double(p.track.size());
@@ -339,7 +353,7 @@ void run(const SfmConfig& config, StageContext& context) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 11,
+                 .version = 12,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",
