@@ -40,7 +40,7 @@ TEST_F(GpsRoom, PlaceAndUnitOfTheScene) {
   const auto scene = json("scene.json");
   const auto& place = scene.at("enu_origin");
   EXPECT_NEAR(place.at("metres_per_unit").get<double>() * scene.at("scene_from_colmap").at("scale").get<double>(), kMetres,
-              5e-3);  // up by the cameras is 0.5 degrees off, and counts too
+              5e-3);  // the up vector by the cameras counts, too
   EXPECT_NEAR(place.at("latitude"), 47.3769, 1e-3);
   EXPECT_NEAR(place.at("longitude"), 8.5417, 1e-3);
   EXPECT_EQ(json("transforms.json").at("enu_origin"), place);

@@ -39,6 +39,7 @@ std::vector<std::string> write_gaussians_glb(ExportSource& source, const std::fi
     colors[i][3] = opacities[i];
   }
   GlbFile glb("vitrine");
+  if (source.place()) glb.add_place(*source.place());
   glb.use_extension("KHR_gaussian_splatting");
   glb.json["scenes"] = {{{"nodes", {0}}}};
   glb.json["nodes"] = {{{"name", "gaussians"}, {"mesh", 0}}};

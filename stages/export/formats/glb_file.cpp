@@ -28,6 +28,13 @@ GlbFile::GlbFile(std::string_view generator) {
   json["scene"] = 0;
 }
 
+void GlbFile::add_place(const GeoOrigin& origin) {
+  Json& place = json["asset"]["extras"]["enu_origin"];
+  place = {{"latitude", origin.latitude}, {"longitude", origin.longitude}};
+  if (origin.altitude) place["altitude"] = *origin.altitude;
+  place["axes"] = "x east, y up, z south";
+}
+
 int GlbFile::add_view(const void* data, size_t bytes, int target) {
   pad(binary_, 0);
   Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes}};

@@ -12,6 +12,7 @@
 
 #include "core/foundation/base/json.h"
 #include "core/foundation/math/vec.h"
+#include "core/scene/camera/scene_info.h"
 
 namespace vitrine {
 
@@ -22,6 +23,8 @@ class GlbFile {
   Json json;
 
   explicit GlbFile(std::string_view generator);
+  // Place of the origin on the earth, as extras of the asset. The file has +Y up, and +X of the scene is +X.
+  void add_place(const GeoOrigin& origin);
 
   // Each returns its accessor index. `bounds`: write min and max (required for positions).
   int add(std::span<const Vec3f> values, bool bounds = false);

@@ -75,6 +75,7 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   GlbFile glb("vitrine");
   glb.json["asset"]["extras"] = {{"base_color", color_note(source)},
                                  {"unit", source.metric() ? "metre" : "the scene's: camera ring of radius 1"}};
+  if (source.place()) glb.add_place(*source.place());
   glb.json["scenes"] = {{{"nodes", {0}}}};
   const double side = shortest(geometry.side);
   Json nodes = {{{"name", "scene"}, {"translation", Json::array()}, {"scale", {side, side, side}}}};

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "core/foundation/base/error.h"
+#include "core/render/model/kernels/layer_blend.h"
+#include "core/render/model/opened_scene.h"
 #include "core/scene/camera/colmap_model.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
-#include "core/render/model/kernels/layer_blend.h"
-#include "core/render/model/opened_scene.h"
 #include "core/scene/surfels/activation.h"
 #include "stages/export/bake/preview_fit.h"
 
@@ -97,6 +97,12 @@ std::vector<SurfelMaterial> content_materials(std::span<const SurfelMaterial> di
   return out;
 }
 
+std::string place_note(const GeoOrigin& g) {
+  return fmt::format(
+      "the origin is at latitude {:.7f}, longitude {:.7f}{} (WGS84, by GPS of the photos); +x of rhzu is east, +y north",
+      g.latitude, g.longitude, g.altitude ? fmt::format(", altitude {:.1f} m", *g.altitude) : "");
+}
+
 }  // namespace
 
 std::vector<View> photo_cameras(const std::filesystem::path& sfm) {
@@ -112,14 +118,16 @@ const SceneInfo& ExportSource::scene_info() {
   return *info_;
 }
 
-bool ExportSource::metric() { return settings_.scale > 0 || scene_info().scale_known; }
+bool ExportSource::metric() { return settings_.scale > 0 || scene_info().metres_per_unit().has_value(); }
 
 ExportFrame ExportSource::frame(ExportAxes axes) {
   double scale = settings_.scale;
-  if (!settings_.scale_note.empty() && std::ranges::find(notes_, settings_.scale_note) == notes_.end())
-    notes_.push_back(settings_.scale_note);
-  // The frame of the poses is in metres if their scale is known.
-  if (!(scale > 0)) scale = scene_info().scale_known ? 1 / scene_info().scene_from_colmap.scale : 1;
+  const auto note_once = [this](const std::string& note) {
+    if (!note.empty() && std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(note);
+  };
+  note_once(settings_.scale_note);
+  if (place()) note_once(place_note(*place()));
+  if (!(scale > 0)) scale = scene_info().metres_per_unit().value_or(1);
   return ExportFrame::of(axes, scale);
 }
 

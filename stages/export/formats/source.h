@@ -73,6 +73,7 @@ class ExportSource {
   ExportFrame frame() { return frame(settings_.axes); }  // of the settings
   ExportFrame frame(ExportAxes axes);                    // other axes, for formats that have only one
   bool metric();                                         // lengths are metres
+  const std::optional<GeoOrigin>& place() { return scene_info().geo; }  // of the origin, by GPS
   // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
   std::string object_name(uint16_t id);
   // `lines`, and one line per object if surfels have ids: "object 3: vase, mirror".

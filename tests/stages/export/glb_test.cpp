@@ -261,5 +261,32 @@ TEST(MeshGlb, IsInMetresWhenTheSceneKnowsThem) {
   EXPECT_NEAR(height(0.1), 0.09, 1e-5);   // somebody measured it
 }
 
+TEST(MeshGlb, HasThePlaceByGps) {
+  const TemporaryFolder root;
+  test::PaneScene scene;
+  scene.write(root.path());
+  SceneInfo info;
+  info.scene_from_colmap.scale = 0.25;
+  info.scale_known = true;
+  info.geo = GeoOrigin{.latitude = 47.5, .longitude = 8.25, .altitude = 431, .metres_per_unit = 12};
+  write_scene_info(root.path() / "sfm/scene.json", info);
+  test::RecordingContext c(
+      {{"sfm", root.path() / "sfm"}, {"optimize", root.path() / "optimize"}, {"mesh", root.path() / "mesh"}});
+  run_export({.formats = {"mesh-glb"}, .texture_size = 256}, c);
+  const Glb glb(c.output() / "export/mesh.glb");
+  const auto extras = glb.doc["asset"]["extras"];
+  EXPECT_EQ(extras["unit"], "metre");
+  EXPECT_EQ(extras["enu_origin"]["latitude"], 47.5);
+  EXPECT_EQ(extras["enu_origin"]["longitude"], 8.25);
+  EXPECT_EQ(extras["enu_origin"]["altitude"], 431);
+  EXPECT_EQ(extras["enu_origin"]["axes"], "x east, y up, z south");
+  const auto positions = glb.positions(0);
+  float highest = 0;
+  for (size_t i = 1; i < positions.size(); i += 3) highest = std::max(highest, positions[i]);
+  EXPECT_NEAR(highest, 0.9 * 12, 1e-3) << "metres by GPS, not by the frame of the poses";
+  EXPECT_NE(read_file(c.output() / "export/formats.json").find("latitude 47.5000000, longitude 8.2500000, altitude 431.0 m"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace vitrine
