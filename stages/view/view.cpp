@@ -223,7 +223,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"near_z", image.diffuse.near_z},
              {"middle", numbers(middle)},
              {"radius", s.info.radius},
-             {"scale_known", s.info.scale_known},
+             {"metres_per_unit", s.info.metres_per_unit().value_or(0)},
              {"probe_side", kProbeSide},
              {"probes", centres},
              {"shapes", shapes},
@@ -253,7 +253,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 7,
+                 .version = 8,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

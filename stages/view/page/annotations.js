@@ -56,9 +56,9 @@ export class Annotations {
     this.set(read.map(([, x, y, z, text]) => ({ text: text.slice(0, kMostText), place: [x, y, z].map(Number) })).filter((n) => is_place(n.place)));
   }
   json() {
-    const { scale_known } = this.view.scene;
+    const { metres_per_unit } = this.view.scene;
     return JSON.stringify({
-      format: kFormat, frame: 'that of scene.json, z up', unit: scale_known ? 'metre' : 'radius of the camera ring, scale unknown',
+      format: kFormat, frame: 'that of scene.json, z up', unit: metres_per_unit ? `${metres_per_unit} m` : 'radius of the camera ring, scale unknown',
       annotations: this.list.map(({ text, place }) => ({ text, position: place })),
     }, null, 1) + '\n';
   }

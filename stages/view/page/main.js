@@ -33,7 +33,7 @@ async function open() {
     tell(`${why}: ${shown ? 'the mesh alone is shown, in its plain colours' : 'and the scene has no mesh to show instead'}.`);
     if (!shown) panel.remove();
     else {
-      const { nodes, show } = clip_section(clip, page.scene.scale_known ? ' m' : '', () => shown.position.toArray()), draw = clip.on_change;
+      const { nodes, show } = clip_section(clip, page.scene.metres_per_unit === 1 ? ' m' : '', () => shown.position.toArray()), draw = clip.on_change;
       clip.on_change = () => (draw(), show());
       panel.append(...nodes, ...objects_section(objects).nodes);
     }

@@ -17,7 +17,7 @@ export class Measures {
     this.points = [];
   }
 
-  // Distance of the two points; null if there are fewer. In metres if the scale is known, otherwise in radii of the camera ring.
+  // Distance of the two points; null if there are fewer. In units of the scene.
   distance() {
     const [a, b] = this.points;
     return b ? Math.hypot(...a.map((v, i) => v - b[i])) : null;
@@ -25,8 +25,10 @@ export class Measures {
   text() {
     const d = this.distance();
     if (d === null) return '';
-    if (!this.view.scene.scale_known) return `${d.toFixed(3)} units, scale unknown`;
-    return d < 1 ? `${(100 * d).toFixed(1)} cm` : `${d.toFixed(2)} m`;
+    const { metres_per_unit } = this.view.scene;
+    if (!metres_per_unit) return `${d.toFixed(3)} units, scale unknown`;
+    const metres = metres_per_unit * d;
+    return metres < 1 ? `${(100 * metres).toFixed(1)} cm` : `${metres.toFixed(2)} m`;
   }
 
   // projected(place) -> [x, y, z] on the screen.

@@ -59,7 +59,7 @@ export function make_panel(view, page) {
     button('Path', () => (view.path.length ? json(true) : view.tell('The path is empty: \u201cAdd to path\u201d puts this view on it.')), { id: 'save_path' }), count),
     element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
 
-  const clip = clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray());
+  const clip = clip_section(view.clip, scene.metres_per_unit === 1 ? ' m' : '', () => view.eye.position.toArray());
   const edits = edits_section(view, page);
   for (const { nodes, show } of [clip, measures_section(view), annotations_section(view), two_runs_section(view), objects_section(view.objects, edits.begin)]) {
     panel.append(...nodes);
