@@ -8,6 +8,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/math/median.h"
+#include "stages/inspect/gps_finding.h"
 
 namespace vitrine {
 
@@ -56,6 +57,7 @@ class Judge {
       clipping();
       duplicates();
       contents();
+      if (auto gps = gps_finding(photos_)) add(std::move(*gps));
     }
     worst_first(out_.list);
     return std::move(out_);

@@ -134,7 +134,7 @@ void describe(Describer& d, InspectConfig& c) {
 Stage inspect_stage() {
   return make_stage<InspectConfig>(
       {.name = "inspect",
-       .version = 2,
+       .version = 3,
        .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
        .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."},
                   {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"},

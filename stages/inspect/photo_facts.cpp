@@ -29,6 +29,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
     if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
     f.zoom = zoom_of(head.exif);
     f.exposure_ev = exposure_ev(head.exif);
+    f.gps = head.exif.gps;
     f.camera = head.exif.camera;
     f.time = head.exif.time;
     f.digest = head.digest.hex();

@@ -15,6 +15,7 @@ struct PhotoFacts {
   std::optional<double> focal_px;  // at this size
   std::optional<double> zoom;      // FocalLength in millimetres times digital zoom
   std::optional<double> exposure_ev;
+  std::optional<GpsPosition> gps;
   std::string camera, time, digest;
   ColorFacts color;
   PhotoMeasures measures;

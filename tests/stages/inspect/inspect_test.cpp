@@ -12,8 +12,8 @@
 #include "stages/inspect/photo_facts.h"
 #include "tests/stages/inspect/drawn_photos.h"
 #include "tests/support/error_of.h"
+#include "tests/support/gps_exif.h"
 #include "tests/support/recording_context.h"
-#include "tests/support/tiny_photos.h"
 
 namespace vitrine {
 namespace {
@@ -147,15 +147,37 @@ TEST(Inspect, SeesCamerasAndZoomInExif) {
   EXPECT_EQ(codes(report), (std::set<std::string>{"mixed_cameras", "mixed_focal"}));
 }
 
+TEST(Inspect, NamesGpsCoordinates) {
+  constexpr double kMetre = 1 / 111000.0;  // in degrees of latitude
+  const auto why = [](size_t tagged, double spacing_m) {
+    Folder folder;
+    folder.walls(16, 320, 240);
+    for (size_t i = 0; i < tagged; ++i)
+      test::add_exif(folder.path(fmt::format("{:02}.jpg", i)),
+                     test::exif_with_gps(test::place_tags(47 + kMetre * spacing_m * double(i), 8, 430)));
+    const auto report = folder.report();
+    for (const auto& f : report["findings"])
+      if (f["code"] == "gps_positions") {
+        EXPECT_EQ(f["severity"], "note");
+        EXPECT_EQ(f["what"], fmt::format("{} of 16 photos have GPS coordinates", tagged));
+        return f["why"].get<std::string>();
+      }
+    return std::string();
+  };
+  EXPECT_EQ(why(0, 5), "");
+  EXPECT_EQ(why(3, 5), "fewer than 4 give no scale");
+  EXPECT_EQ(why(16, 5), "they spread over 23.1 m: scale and north come from them, if they agree with the poses");
+  EXPECT_EQ(why(16, 0.5), "they spread over 2.3 m, too little for a scale at the usual error of 1.7 m");
+}
+
 TEST(Inspect, SeesAZoomInMillimetresAndADigitalOne) {
   for (const bool digital : {false, true}) {
     Folder folder;
     folder.walls(16, 960, 720);
     for (int i = 0; i < 16; ++i) {
       const unsigned times = i % 2 ? 2 : 1;
-      const std::string exif = digital
-                                   ? test::exif_bytes({}, {{0x920a, 'r', 24, 1}, {0xa404, 'r', times, 1}, {0xa405, 's', 28}})
-                                   : test::exif_bytes({}, {{0x920a, 'r', 24 * times, 1}});
+      const std::string exif = digital ? test::exif_bytes({}, {{0x920a, 'r', 24, 1}, {0xa404, 'r', times, 1}, {0xa405, 's', 28}})
+                                       : test::exif_bytes({}, {{0x920a, 'r', 24 * times, 1}});
       test::add_exif(folder.path(fmt::format("{:02}.jpg", i)), exif);
     }
     EXPECT_EQ(codes(folder.report()), std::set<std::string>{"mixed_focal"}) << digital;
