@@ -21,6 +21,7 @@ class PhotoNames {
 
   bool empty() const { return files_.empty(); }
   std::vector<std::string> all() const;  // names of the ingest stage
+  const std::string& name(size_t photo) const { return files_[photo].name; }
   // Looks up the ingest name: relative path; .exr becomes .png; of two names that differ only in the extension, the second one
   // keeps it in its stem.
   std::optional<size_t> find(const std::string& name) const;
@@ -52,11 +53,5 @@ void check_given_inputs(const Planner& planner, const Settings& settings);
 // "preset preview -> standard, masks marks.yaml -> none"; empty without differences. For two presets only their names and the
 // inputs are compared.
 std::string changed_settings(const Settings& before, const Settings& now);
-
-// Checks of --grey-card (`text`: "photo:x,y,w,h") and --scale-bar (`text`: core/config/scale_bar.h): format of the text,
-// existence of the photos. The stage that uses them checks whether the positions lie inside the undistorted photos. Throws
-// Error{Usage} with the code GREY_CARD or SCALE_BAR.
-void check_grey_card(const std::string& text, const fs::path& photos);
-void check_scale_bar(const std::string& text, const fs::path& photos);
 
 }  // namespace vitrine

@@ -16,6 +16,7 @@
 #include "pipeline/cost_model.h"
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
+#include "pipeline/measures_in_photos.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 
@@ -69,6 +70,7 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
     return s;
   }
   settings.load({.project = *s.project});
+  check_measures(settings);
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
   if (a.masks.empty()) s.masks = settings.text("input.masks");

@@ -14,6 +14,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/cost_model.h"
 #include "pipeline/given_inputs.h"
+#include "pipeline/measures_in_photos.h"
 #include "pipeline/plan.h"
 #include "pipeline/project.h"
 #include "pipeline/report.h"
@@ -224,10 +225,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
   settings.load(settings_desc(a, target, settings));
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
-  if (const Option* card = settings.options.table.find("decompose.grey_card"); card != nullptr && !card->text().empty())
-    check_grey_card(card->text(), settings.text("input.photos"));
-  if (const Option* bar = settings.options.table.find("export.scale_bar"); bar != nullptr && !bar->text().empty())
-    check_scale_bar(bar->text(), settings.text("input.photos"));
+  const std::vector<std::string> measured = check_measures(settings);
   check_inputs_apart(target.project, graph, settings);
   Planner planner(graph, settings, target.project, a.selection);
   check_given_inputs(planner, settings);
@@ -249,6 +247,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
   report.open();
   opened = true;
   if (!replaced.empty()) report.note(replaced);
+  for (const std::string& note : measured) report.note(note);
   if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),
@@ -256,6 +255,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
     report.line("note: options on the command line hold for this run; to keep them, write them into vitrine.yaml");
   const Timer clock;
   PreflightOnce preflight_once(planner, settings, target.project, report);
+  MeasuresOnce measures_once(planner, settings, target.project);
   try {
     const int computed = run_stages(planner, settings, target.project, report,
                                     {.threads = std::stoi(settings.text("limits.threads")),
@@ -263,6 +263,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
                                      .verbose = a.verbose,
                                      .quiet = a.quiet,
                                      .before_computing = [&](size_t next) {
+                                       measures_once(next);
                                        if (!a.no_preflight) preflight_once(next);
                                      }});
     report.line(computed == 0 ? fmt::format("everything up to date in {}", target.project.string())

@@ -57,7 +57,7 @@ class Decomposition {
     const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
     object_alone_ = split.object_alone;
     views_ = at_trained_size(set.views, split.train.empty() ? split.heldout : split.train, split);
-    if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
+    if (!config.grey_card.empty()) card_ = card_box(config.grey_card, all_views_);
     mesh_ = read_shadow_mesh(context.input("mesh"));
     const double area = area_of(mesh_);
     for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/config/chart.h"
 #include "core/foundation/math/median.h"
 
 namespace vitrine {
@@ -36,24 +35,6 @@ Error unusable_card(const char* what, const View& view, std::string why, std::st
 }
 
 }  // namespace
-
-GreyCard parse_grey_card(const std::string& text, const std::vector<View>& views) {
-  const auto fail = [&](std::string why) {
-    return Error(ErrorKind::Usage, "the grey card cannot be found",
-                 {.where = "decompose.grey_card = " + text,
-                  .why = std::move(why),
-                  .hint = "photo:x,y,w,h, pixels of the undistorted photo, for example IMG_0007.jpg:410,220,60,40",
-                  .code = "GREY_CARD"});
-  };
-  const auto card = parse_photo_box(text);
-  if (!card) throw fail("behind the photo's name belong four whole numbers: a box at least one pixel wide and high");
-  const auto it = std::ranges::find_if(views, [&](const View& v) { return v.name == card->photo || v.stem() == card->photo; });
-  if (it == views.end()) throw fail(fmt::format("no photo with a known camera is called '{}'", card->photo));
-  const Intrinsics& k = it->intrinsics;
-  if (card->width > k.width - card->x || card->height > k.height - card->y)
-    throw fail(fmt::format("the box does not lie in the photo of {}x{} pixels", k.width, k.height));
-  return {size_t(it - views.begin()), card->x, card->y, card->width, card->height};
-}
 
 Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture) {
   std::vector<float> values[3];

@@ -10,19 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/camera/scale_bar_length.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/image/image.h"
 
 namespace vitrine {
 
-struct GreyCard {
-  size_t view = 0;
-  int x = 0, y = 0, width = 0, height = 0;
-};
+using GreyCard = CardBox;
 
-// Throws Error{Usage} for another format, an unknown photo or a box outside it.
-GreyCard parse_grey_card(const std::string& text, const std::vector<View>& views);
 // Median over the box in a picture of the view at any size. Throws Error{Input} if the box is empty.
 Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture);
 

@@ -84,6 +84,23 @@ TEST_F(TinyRoom, AGreyCardThatIsNotThereEndsTheRunBeforeItBegins) {
   EXPECT_EQ(room(true_poses(), {"--grey-card", "img_0003.png:1,2,3,4", "--dry-run"}).exit, 0);
 }
 
+// A photo without a camera is known when sfm is done: before hours of training.
+TEST_F(TinyRoom, MeasuresInAPhotoWithoutCameraEndTheRunBehindSfm) {
+  auto poses = nlohmann::json::parse(read_file(true_poses()));
+  auto& frames = poses["frames"];
+  for (size_t i = 0; i < frames.size(); ++i)
+    if (frames[i]["file_path"].get<std::string>().find("img_0003") != std::string::npos) frames.erase(i--);
+  write_file(folder.path() / "poses.json", poses.dump());
+  for (const auto& [option, text] : {std::pair{"--grey-card", "img_0003.png:1,2,3,4"},
+                                     std::pair{"--scale-bar", "img_0001.png:9,9,20,9 img_0003.png:9,9,20,9 = 5cm"}}) {
+    const Outcome o = room("poses.json", {option, text});
+    EXPECT_EQ(o.exit, 2) << o.text;
+    EXPECT_TRUE(o.said("no photo with a known camera is called 'img_0003.png'")) << o.text;
+    EXPECT_EQ(states().at("masks"), "failed");
+    EXPECT_FALSE(states().contains("objects"));
+  }
+}
+
 TEST_F(TinyRoom, WithoutColmapTheFirstStageIsKept) {
   setenv("VITRINE_COLMAP", "/nonexistent", 1);
   const Outcome o = call({"run", photos().string(), "-o", out().string()});

@@ -28,6 +28,7 @@ constexpr Exception kExceptions[] = {
     {"given_inputs.cpp", "sfm", "advice with its options, which an error about masks gives"},
     {"run_command.cpp", "decompose", "--grey-card is its option decompose.grey_card"},
     {"run_command.cpp", "export", "--scale-bar is its option export.scale_bar"},
+    {"measures_in_photos.cpp", "ingest sfm decompose export", "the same two options; size and cameras of the photos"},
     // Commands of one program each, and the results that the program reads.
     {"export_command.cpp", "export sfm optimize mesh refine decompose objects", "vitrine export"},
     {"project.h", "export", "export/, which a run and vitrine export share"},

@@ -9,6 +9,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
 #include "core/scene/image/ldr.h"
+#include "pipeline/measures_in_photos.h"
 
 namespace vitrine {
 namespace {
@@ -125,6 +126,32 @@ TEST_F(GivenInputs, MistakesInMarksAreFoundByRunAndInspect) {
     }
     EXPECT_FALSE(fs::exists(folder.path() / "out"));
   }
+}
+
+// A card or scale bar measured at the resolution of the camera lies outside the reduced photo.
+TEST_F(GivenInputs, MeasuresCountInPixelsOfReducedPhotos) {
+  write_ldr(photos / "a.png", Image8(640, 480, 3, 90));
+  write_ldr(photos / "b.png", Image8(640, 480, 3, 90));
+  const auto run = [&](const char* option, const std::string& text) {
+    return dry_run({option, text, "--set", "ingest.max_side=320"});
+  };
+  const std::pair<const char*, std::string> outside[] = {{"--grey-card", "a.png:410,220,60,40"},
+                                                         {"--scale-bar", "a.png:10,10,20,10 b.png:410,220,470,260 = 5cm"}};
+  for (const auto& [option, text] : outside) {
+    const Answer a = run(option, text);
+    EXPECT_EQ(a.code, 2) << a.text;
+    EXPECT_NE(a.text.find("it reaches to column 470 and row 260"), std::string::npos) << a.text;
+    EXPECT_NE(a.text.find("has 320x240 pixels; the photo has 640x480"), std::string::npos) << a.text;
+    EXPECT_NE(a.text.find("multiply its coordinates by 0.5"), std::string::npos) << a.text;
+    EXPECT_EQ(dry_run({option, text, "--set", "ingest.max_side=0"}).code, 0);
+  }
+  // In no size of the photo.
+  const Answer beyond = run("--grey-card", "a.png:700,20,60,40");
+  EXPECT_EQ(beyond.code, 2);
+  EXPECT_EQ(beyond.text.find("multiply"), std::string::npos) << beyond.text;
+  // Inside either size: accepted, and the size that counts is named.
+  EXPECT_NE(check_grey_card("a.png:100,50,20,20", photos, 320).find("pixels of images/a.png (about 320x240)"), std::string::npos);
+  EXPECT_EQ(check_grey_card("a.png:100,50,20,20", photos), "");
 }
 
 TEST_F(GivenInputs, MasksInFoldersThatAreNoClassesEndTheRunAtOnce) {

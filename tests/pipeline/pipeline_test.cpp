@@ -7,6 +7,7 @@
 #include "core/foundation/base/timer.h"
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
+#include "pipeline/measures_in_photos.h"
 #include "tests/pipeline/sandbox.h"
 #include "tests/support/error_of.h"
 

@@ -1,4 +1,5 @@
-// Length of a scale bar in scene units: both ends are triangulated from the photos in which they are marked.
+// Measures in photos that have cameras. The box of a grey card; the length of a scale bar in scene units: both ends are
+// triangulated from the photos in which they are marked.
 //
 // An end X is the point nearest to its rays c_i + t d_i (the midpoint, for two rays):
 //   sum_i (I - d_i d_i^T) X = sum_i (I - d_i d_i^T) c_i
@@ -13,6 +14,15 @@
 #include "core/scene/camera/view.h"
 
 namespace vitrine {
+
+// Box of a grey card, in pixels of the undistorted photo.
+struct CardBox {
+  size_t view = 0;
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+// Throws Error{Usage, GREY_CARD} for another format than "photo:x,y,w,h", a photo without camera or a box outside the photo.
+CardBox card_box(const std::string& text, const std::vector<View>& views);
 
 struct ScaleBarLength {
   double scene_units = 0;

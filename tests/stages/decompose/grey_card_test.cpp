@@ -36,7 +36,7 @@ TEST(Decompose, GreyCardSetsTheScale) {
   EXPECT_EQ(report.at("scale").at("by"), "grey_card");
   const SplatLayer layer = read_layer(room().folder() / "gaussians/diffuse.ply");
   const std::vector<Vec3f> albedo = read_decomposed_materials(context.output()).albedo;
-  const GreyCard card = parse_grey_card(config.grey_card, room().views);
+  const GreyCard card = card_box(config.grey_card, room().views);
   const Vec3f found = median_in(card, room().views[0], SurfelColors(layer, albedo, 0.01f).picture(room().views[0]));
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.3, 0.005);
   // Surfels that the convention makes brighter than white keep what tells them apart once the card has made them darker.
@@ -265,7 +265,7 @@ TEST(Decompose, UpOfAPassIsThatOfItsCameras) {
 
 TEST(Decompose, APhotoOfAGreyCardThatIsClippedOrBlackIsAnError) {
   const View view{"a.png", {20, 10, 20, 20, 10, 5}, {}, {}};
-  const GreyCard card = parse_grey_card("a:10,2,4,5", {view});
+  const GreyCard card = card_box("a:10,2,4,5", {view});
   ImageF photo(20, 10, 3, 0.4f);
   const auto fill = [&](int rows, const Vec3f& color) {
     photo = ImageF(20, 10, 3, 0.4f);
