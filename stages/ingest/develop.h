@@ -19,6 +19,7 @@ struct Developed {
   std::vector<std::string> notes;  // omitted or assumed content (core/scene/image/picture_file.h, core/scene/image/exr.h)
   std::string aside;
   ColorFacts color;
+  bool panorama = false;  // of the whole sphere: not reduced to max_side, its views are
 };
 
 // `balance`: of PhotoFile. Throws Error{Input} when the file is empty, damaged or truncated.

@@ -12,11 +12,13 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/panorama_views.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/probe.h"
 #include "core/intake/photos/photo_files.h"
 #include "stages/ingest/develop.h"
+#include "stages/ingest/panorama_photos.h"
 
 namespace vitrine {
 
@@ -28,7 +30,7 @@ constexpr size_t kMinPhotos = 2;  // minimum for structure from motion
 
 // Result for one file.
 struct Outcome {
-  Photo photo;
+  std::vector<Photo> photos;  // one; the views of a panorama
   std::string failure;  // empty = developed
   ColorFacts color;
   RepairedValues repaired;
@@ -64,7 +66,8 @@ size_t photos_at_once(const std::vector<PhotoFile>& photos, const StageContext& 
   return std::min(fitting, static_cast<size_t>(std::max(thread_limit(), 1)));
 }
 
-Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output) {
+// `view_folder`: of the views, if it is a panorama.
+Outcome ingest_photo(const PhotoFile& file, const std::string& view_folder, int max_side, const fs::path& output) {
   Outcome outcome;
   Developed developed;
   try {
@@ -74,27 +77,35 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
     outcome.failure = e.detail().why.empty() ? e.message() : e.detail().why;
     return outcome;
   }
-  outcome.photo = std::move(developed.photo);
-  outcome.photo.name = file.name;
-  outcome.photo.stem = file.stem;
-  outcome.photo.source = file.source;
+  Photo& photo = developed.photo;
+  photo.name = file.name;
+  photo.stem = file.stem;
+  photo.source = file.source;
   outcome.color = std::move(developed.color);
   outcome.repaired = developed.repaired;
   outcome.notes = std::move(developed.notes);
   outcome.aside = std::move(developed.aside);
   outcome.digest = developed.digest;
-  write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
-  write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
+  if (developed.panorama) {
+    outcome.photos = write_panorama_views(std::move(developed.linear), photo, view_folder, max_side, output);
+    return outcome;
+  }
+  write_exr_rgb(ingested_linear_path(output, photo), developed.linear);
+  write_ldr(ingested_ldr_path(output, photo), srgb8_from_linear(developed.linear));
+  outcome.photos.push_back(photo);
   return outcome;
 }
 
 std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_side, StageContext& context) {
   std::vector<Outcome> outcomes(files.size());
   const size_t at_once = photos_at_once(files, context);
+  const std::vector<std::string> folders = view_folders(files);
   for (size_t begin = 0; begin < files.size(); begin += at_once) {
     throw_if_interrupted();
     const size_t count = std::min(at_once, files.size() - begin);
-    parallel_for(count, 1, [&](size_t i) { outcomes[begin + i] = ingest_photo(files[begin + i], max_side, context.output()); });
+    parallel_for(count, 1, [&](size_t i) {
+      outcomes[begin + i] = ingest_photo(files[begin + i], folders[begin + i], max_side, context.output());
+    });
     const size_t done = begin + count;
     context.progress({.fraction = static_cast<double>(done) / static_cast<double>(files.size()),
                       .text = fmt::format("{} / {} photos", done, files.size()),
@@ -203,8 +214,11 @@ void report_photos(const std::vector<Photo>& photos, const std::string& colors, 
     context.warning("PHOTO_SIZES_DIFFER",
                     fmt::format("the photos have {} sizes ({}): each keeps its own camera", sizes.size(), list));
   }
+  const auto views = size_t(std::ranges::count_if(photos, [](const Photo& p) { return p.rig.has_value(); }));
+  if (views > 0) context.metric("panoramas", static_cast<double>(views / kPanoramaViews));
   const Photo& first = photos.front();
-  context.summary(fmt::format("{} photos{}{}{}{}{}", photos.size(),
+  context.summary(fmt::format("{} photos{}{}{}{}{}{}", photos.size(),
+                              views > 0 ? fmt::format("  {} of them cut from {} panoramas", views, views / kPanoramaViews) : "",
                               sizes.size() == 1 ? fmt::format("  {} x {}", first.width, first.height) : "",
                               first.camera.empty() ? "" : "  " + first.camera,
                               with_focal > 0 ? fmt::format("  focal known for {}", with_focal) : "  no focal length",
@@ -219,18 +233,21 @@ void run(const IngestConfig& config, StageContext& context) {
 
   std::vector<Photo> photos;
   RepairedValues repaired;
+  size_t usable = 0;  // views of one panorama have one centre
   for (const Outcome& outcome : outcomes) {
     if (!outcome.failure.empty()) continue;
-    photos.push_back(outcome.photo);
+    ++usable;
+    photos.insert(photos.end(), outcome.photos.begin(), outcome.photos.end());
     repaired += outcome.repaired;
   }
-  const size_t left_out = outcomes.size() - photos.size();
+  if (photos.size() > usable) std::ranges::sort(photos, {}, &Photo::name);
+  const size_t left_out = outcomes.size() - usable;
   const std::string failures = failure_list(folder.photos, outcomes);
-  if (photos.size() < kMinPhotos)
+  if (usable < kMinPhotos)
     throw Error(
         ErrorKind::Input,
-        fmt::format("{} usable {} too few: at least {} are needed, and 20 to 60 are usual", photos.size(),
-                    photos.size() == 1 ? "photo is" : "photos are", kMinPhotos),
+        fmt::format("{} usable {} too few: at least {} are needed, and 20 to 60 are usual", usable,
+                    usable == 1 ? "photo is" : "photos are", kMinPhotos),
         {.where = input.string(),
          .why = failures.empty() ? fmt::format("the folder holds {} photo{}", outcomes.size(), outcomes.size() == 1 ? "" : "s")
                                  : failures,

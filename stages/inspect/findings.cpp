@@ -16,6 +16,7 @@ namespace {
 
 // Minimum number of photos for a closed ring, and for any model.
 constexpr size_t kFewPhotos = 15, kLeastPhotos = 3;
+constexpr size_t kPhotosOfPanorama = 3;                      // that one panorama counts for
 constexpr double kTinySide = 500, kSmallSide = 900;          // pixels of the longest side
 constexpr double kSoftSet = 3.0, kSoftPhoto = 2.0;           // px of blur at kBlurSide: of the median, of one photo
 constexpr double kMotionRatio = 1.6;                         // blur of the worst direction over that of the best
@@ -94,7 +95,8 @@ class Judge {
   }
 
   void count() {
-    if (usable_.size() >= kFewPhotos) return;
+    const size_t panoramas = those([](const PhotoFacts& p) { return p.panorama; }).size();
+    if (usable_.size() + (kPhotosOfPanorama - 1) * panoramas >= kFewPhotos) return;
     const bool hopeless = usable_.size() < kLeastPhotos;
     add({"few_photos",
          hopeless ? Severity::Problem : Severity::Warning,
@@ -143,12 +145,13 @@ class Judge {
            "do not crop; use one setting of the camera",
            {}});
     }
-    const size_t known = size_t(std::ranges::count_if(usable_, [&](size_t i) { return photos_[i].focal_px.has_value(); }));
+    const size_t known =
+        size_t(std::ranges::count_if(usable_, [&](size_t i) { return photos_[i].focal_px || photos_[i].panorama; }));
     zoom();
     if (known > 0 && known < usable_.size())
       add({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
            "their EXIF data was removed or is incomplete", "use the photos as the camera wrote them",
-           those([](const PhotoFacts& p) { return !p.focal_px; })});
+           those([](const PhotoFacts& p) { return !p.focal_px && !p.panorama; })});
   }
 
   // Focal lengths of each camera: relative to the picture size, else in millimetres.

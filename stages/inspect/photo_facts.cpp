@@ -6,6 +6,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/intake/photos/linear_photo.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine {
 
@@ -26,15 +27,21 @@ PhotoFacts facts_of(const PhotoFile& file) {
       f.width = picture.width(), f.height = picture.height();
       if (head.exif.orientation >= 5) std::swap(f.width, f.height);
     }
-    if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
-    f.zoom = zoom_of(head.exif);
+    f.notes = head.notes;
+    const Panorama panorama =
+        panorama_of(head.gpano, f.width, f.height, [&] { return upright(floats_of(picture), head.exif.orientation); });
+    if (panorama.kind != PanoramaKind::None) f.notes.push_back(panorama.sentence());
+    f.panorama = panorama.kind == PanoramaKind::Sphere;
+    if (!f.panorama) {
+      if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
+      f.zoom = zoom_of(head.exif);
+    }
     f.exposure_ev = exposure_ev(head.exif);
     f.gps = head.exif.gps;
     f.camera = head.exif.camera;
     f.time = head.exif.time;
     f.digest = head.digest.hex();
     f.color = color_facts(head.color, has_varying_alpha(file.path, head));
-    f.notes = head.notes;
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     f.failure = e.detail().why.empty() ? e.message() : e.detail().why;

@@ -21,6 +21,8 @@ struct PhotoFacts {
   PhotoMeasures measures;
   std::vector<std::string> notes;  // content that would be ignored or assumed (core/intake/photos/photo_files.h)
 
+  bool panorama = false;  // of the whole sphere: ingest cuts it into views
+
   bool usable() const { return failure.empty(); }
   double longest() const { return std::max(width, height); }
   // Blur in pixels at a size of kBlurSide pixels, comparable between photos of different sizes.

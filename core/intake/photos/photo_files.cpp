@@ -126,6 +126,7 @@ PhotoHead read_photo_head(const fs::path& path, const RawBalance& balance) {
   if (file.probe.format == PhotoFormat::Exr) file.notes = exr_notes(path);
   PhotoHead head{.probe = file.probe,
                  .exif = parse_exif(exif_block(bytes)),
+                 .gpano = parse_gpano(bytes),
                  .digest = digest_bytes(bytes),
                  .notes = std::move(file.notes),
                  .aside = std::move(file.aside),

@@ -10,6 +10,7 @@
 #include "core/foundation/base/hash.h"
 #include "core/scene/image/probe.h"
 #include "core/intake/photos/exif.h"
+#include "core/intake/photos/panorama.h"
 #include "core/intake/photos/photo_color.h"
 #include "core/intake/photos/picture_roles.h"
 #include "core/intake/photos/raw_photo.h"
@@ -72,6 +73,7 @@ void assign_names(std::vector<PhotoFile>& photos);
 struct PhotoHead {
   Probe probe;
   Exif exif;
+  GPano gpano;
   Digest digest;                   // of the file's bytes
   std::vector<std::string> notes;  // omissions, assumptions, and data next to the picture (core/scene/image/picture_file.h)
   std::string aside;

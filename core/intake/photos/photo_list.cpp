@@ -1,5 +1,6 @@
 #include "core/intake/photos/photo_list.h"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -42,6 +43,15 @@ GpsPosition gps_of(const nlohmann::json& j) {
   return p;
 }
 
+std::optional<PhotoRig> rig_of(const nlohmann::json& j, const fs::path& path, const std::string& photo) {
+  if (!j.contains("rig")) return std::nullopt;
+  const auto q = j.at("rig").at("rotation").get<std::array<double, 4>>();
+  const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!(std::abs(norm - 1) < 1e-6))
+    throw_bad_json(path, kPhotoListFormat, "the rotation of '" + photo + "' in its rig is no unit quaternion");
+  return PhotoRig{j.at("rig").at("panorama").get<std::string>(), {q[0], q[1], q[2], q[3]}};
+}
+
 fs::path with_suffix(const fs::path& folder, const std::string& stem, const char* extension) {
   return folder / (stem + extension);
 }
@@ -71,6 +81,7 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.cut_out = j.value("cut_out", false);
       if (j.contains("zoom")) p.zoom = optional_number(j.at("zoom"));
       if (j.contains("gps")) p.gps = gps_of(j.at("gps"));
+      p.rig = rig_of(j, path, p.name);
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
       p.color_profile = j.at("color_profile").get<std::string>();
@@ -109,6 +120,9 @@ void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) 
     if (p.cut_out) list.back()["cut_out"] = true;
     if (p.zoom) list.back()["zoom"] = *p.zoom;
     if (p.gps) list.back()["gps"] = gps_json(*p.gps);
+    if (const auto& rig = p.rig)
+      list.back()["rig"] = {{"panorama", rig->panorama},
+                            {"rotation", {rig->rotation.w, rig->rotation.x, rig->rotation.y, rig->rotation.z}}};
   }
   write_json_file(folder / "ingest" / "photos.json", {{"photos", list}});
 }

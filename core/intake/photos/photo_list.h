@@ -6,9 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "core/foundation/math/rigid.h"
 #include "core/intake/photos/exif.h"
 
 namespace vitrine {
+
+// A view cut from a panorama: all views of one panorama have one centre and known rotations.
+struct PhotoRig {
+  std::string panorama;  // source of the panorama
+  Quatd rotation;        // view_from_panorama, unit
+  bool operator==(const PhotoRig&) const = default;
+};
 
 struct Photo {
   // Unique path of the photo in all later stages, "left/IMG_0001.JPG": the user's path, except that .exr becomes .png and a
@@ -30,6 +38,7 @@ struct Photo {
   bool cut_out = false;               // its file has an alpha channel that varies: the background may be missing
   std::optional<double> zoom;         // FocalLength in millimetres times DigitalZoomRatio: equal for photos with one focal length
   std::optional<GpsPosition> gps;     // place of the camera by EXIF
+  std::optional<PhotoRig> rig;        // of a view cut from a panorama; its focal length is exact
   bool operator==(const Photo&) const = default;
 };
 
