@@ -24,8 +24,8 @@ std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& phot
   std::map<std::string, std::vector<size_t>> by_key;
   for (size_t i = 0; i < photos.size(); ++i) {
     const SfmPhoto& p = photos[i];
-    std::string key =
-        fmt::format("{}x{} {} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-", p.camera);
+    std::string key = fmt::format("{}x{} {}{} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-",
+                                  p.rig ? " rig" : "", p.camera);
     if (known != nullptr) {
       const auto image =
           std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
@@ -100,6 +100,16 @@ class ObjectFeatures {
   std::vector<std::vector<uint32_t>> index_;  // index of the packed descriptors among all features of the photo
 };
 
+// [i] number of the rig of photo `photo_of[i]`; empty without rigs.
+std::vector<size_t> rig_of_each(const std::vector<SfmPhoto>& photos, std::span<const size_t> photo_of) {
+  if (std::ranges::none_of(photos, [](const SfmPhoto& p) { return p.rig.has_value(); })) return {};
+  std::map<std::string, size_t> numbers;
+  std::vector<size_t> out;
+  for (const size_t i : photo_of)
+    out.push_back(photos[i].rig ? numbers.try_emplace(photos[i].rig->panorama, numbers.size()).first->second : photos.size() + i);
+  return out;
+}
+
 // The last lines of COLMAP's output are the best available evidence.
 [[noreturn]] void throw_colmap_failed(const std::string& command, const std::string& what, const ProcessResult& result) {
   constexpr size_t kTail = 600;
@@ -145,7 +155,8 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
     for (size_t i : groups[g]) names += safe_name(i) + "\n";
     const fs::path list = desc.work_folder / fmt::format("camera_{}.txt", g);
     write_file(list, names);
-    std::string model = config.camera_model, params = first.focal_px ? prior_params(model, first) : "";
+    std::string model = first.rig ? "SIMPLE_PINHOLE" : config.camera_model,
+                params = first.focal_px ? prior_params(model, first) : "";
     if (known != nullptr) {
       const auto image =
           std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == first.name; });
@@ -208,8 +219,9 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::vector<PackedDescriptors> packed(features.size());
   parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
   const ObjectFeatures object(desc, photo_of, features);
-  const std::vector<PhotoPair> pairs =
-      candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit, .seed = static_cast<uint64_t>(config.seed)});
+  const std::vector<size_t> rigs = rig_of_each(desc.photos, photo_of);
+  const std::vector<PhotoPair> pairs = candidate_pairs(
+      features, {.exhaustive_limit = config.exhaustive_limit, .seed = static_cast<uint64_t>(config.seed), .rig = rigs});
   std::vector<std::vector<Match>> matches(pairs.size());
   std::atomic<size_t> done{0};
   std::mutex reporting;

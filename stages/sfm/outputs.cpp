@@ -183,6 +183,12 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
   for (const Attempt& a : r.attempts)
     j["attempts"].push_back({{"what", a.what}, {"registered", a.registered}, {"model_sizes", a.model_sizes}});
   if (r.masks) j["masks"] = masks_json(*r.masks);
+  if (r.rigs)
+    j["rigs"] = {{"count", r.rigs->rigs},
+                 {"views", r.rigs->views},
+                 {"views_without_own_pose", r.rigs->completed},
+                 {"error_before_px", r.rigs->error_before},
+                 {"error_after_px", r.rigs->error_after}};
   if (desc.passes != nullptr) j["passes"] = passes_json(*desc.passes);
   size_t registered = 0;
   j["photos"] = nlohmann::json::array();

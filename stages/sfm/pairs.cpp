@@ -88,23 +88,23 @@ std::vector<float> global_descriptor(const PhotoFeatures& photo, const std::vect
 
 }  // namespace
 
-std::vector<std::vector<uint32_t>> nearest_by_appearance(std::span<const PhotoFeatures> photos, int count, uint64_t seed) {
+std::vector<std::vector<uint32_t>> nearest_by_appearance(std::span<const PhotoFeatures> photos, const PairRules& rules) {
   std::vector<std::vector<uint32_t>> out(photos.size());
   const bool any = std::any_of(photos.begin(), photos.end(), [](const PhotoFeatures& p) { return p.count > 0; });
   if (!any) return out;
-  const std::vector<Word> words = vocabulary(photos, seed);
+  const std::vector<Word> words = vocabulary(photos, rules.seed);
   std::vector<std::vector<float>> described(photos.size());
   parallel_for(photos.size(), 1, [&](size_t p) { described[p] = global_descriptor(photos[p], words); });
   parallel_for(photos.size(), 1, [&](size_t p) {
     std::vector<std::pair<float, uint32_t>> others;
     for (size_t q = 0; q < photos.size(); ++q) {
-      if (q == p) continue;
+      if (q == p || rules.same_rig(p, q)) continue;
       float similarity = 0;
       for (size_t k = 0; k < described[p].size(); ++k) similarity += described[p][k] * described[q][k];
       others.push_back({-similarity, static_cast<uint32_t>(q)});
     }
     std::sort(others.begin(), others.end());
-    for (size_t i = 0; i < std::min(others.size(), static_cast<size_t>(count)); ++i) out[p].push_back(others[i].second);
+    for (size_t i = 0; i < std::min(others.size(), static_cast<size_t>(rules.retrieved)); ++i) out[p].push_back(others[i].second);
   });
   return out;
 }
@@ -113,7 +113,7 @@ std::vector<PhotoPair> candidate_pairs(std::span<const PhotoFeatures> photos, co
   const uint32_t n = static_cast<uint32_t>(photos.size());
   std::set<PhotoPair> pairs;
   const auto add = [&](uint32_t a, uint32_t b) {
-    if (a != b) pairs.insert({std::min(a, b), std::max(a, b)});
+    if (a != b && !rules.same_rig(a, b)) pairs.insert({std::min(a, b), std::max(a, b)});
   };
   if (n <= static_cast<uint32_t>(std::max(0, rules.exhaustive_limit))) {
     for (uint32_t a = 0; a < n; ++a)
@@ -121,10 +121,12 @@ std::vector<PhotoPair> candidate_pairs(std::span<const PhotoFeatures> photos, co
   } else {
     const uint32_t window = static_cast<uint32_t>(std::max(1, rules.window));
     for (uint32_t a = 0; a < n; ++a) {
-      for (uint32_t step = 1; step <= window && a + step < n; ++step) add(a, a + step);
+      uint32_t next = a + 1;
+      while (next < n && rules.same_rig(a, next)) ++next;
+      for (uint32_t step = 0; step < window && next + step < n; ++step) add(a, next + step);
       for (uint32_t step = 2 * window; a + step < n; step *= 2) add(a, a + step);
     }
-    const auto nearest = nearest_by_appearance(photos, rules.retrieved, rules.seed);
+    const auto nearest = nearest_by_appearance(photos, rules);
     for (uint32_t a = 0; a < n; ++a)
       for (uint32_t b : nearest[a]) add(a, b);
   }

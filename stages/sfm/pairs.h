@@ -18,13 +18,15 @@ struct PairRules {
   int window = 10;     // above the limit: neighbours in name order
   int retrieved = 20;  // above the limit: nearest photos by appearance, per photo
   uint64_t seed = 0;
+  std::span<const size_t> rig = {};  // [photo] photos of one rig have one centre and are not paired; empty: none has
+  bool same_rig(size_t a, size_t b) const { return !rig.empty() && rig[a] == rig[b]; }
 };
 
 using PhotoPair = std::pair<uint32_t, uint32_t>;  // indices into the photo list, first < second
 
 std::vector<PhotoPair> candidate_pairs(std::span<const PhotoFeatures> photos, const PairRules& rules);
-// For every photo its `count` nearest neighbours, best first.
-std::vector<std::vector<uint32_t>> nearest_by_appearance(std::span<const PhotoFeatures> photos, int count, uint64_t seed);
+// For every photo its `retrieved` nearest neighbours of other rigs, best first.
+std::vector<std::vector<uint32_t>> nearest_by_appearance(std::span<const PhotoFeatures> photos, const PairRules& rules);
 
 // Pairs for one process of the geometric verification. RANSAC runs until it has missed the best model with probability 1/1000,
 // assuming a quarter of the matches are inliers (Fischler and Bolles 1981): thousands of samples for each unrelated pair, which

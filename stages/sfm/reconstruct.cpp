@@ -39,12 +39,16 @@ constexpr double kMinFocalRatio = 0.3;
 constexpr double kRetryBelow = 0.8;      // share of registered photos below which the retries run
 constexpr size_t kMinObservations = 40;  // points of a pose; poses with fewer are removed (twice as many after a retry)
 
-std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
+std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung, bool known_lenses) {
   std::vector<ColmapSetting> s{{"map_threads", "1"},
                                {"map_refine_principal", "0", false},
                                {"map_min_model_size", "3", false},
                                {"map_min_focal_ratio", fmt::format("{}", kMinFocalRatio), false},
                                {"seed", std::to_string(config.seed), false}};
+  if (known_lenses) {
+    s.push_back({"map_refine_focal", "0"});
+    s.push_back({"map_refine_extra", "0"});
+  }
   if (rung.relaxed_mapper) {
     s.push_back({"map_init_min_inliers", "50"});
     s.push_back({"map_init_min_angle", "6"});
@@ -145,19 +149,14 @@ ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& pho
   return model;
 }
 
-size_t observations_of(const ColmapImage& image) {
-  return static_cast<size_t>(
-      std::count_if(image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
-}
-
-void mark_registered(Reconstruction& r) {
-  std::map<std::string, size_t> observations;
-  for (const ColmapImage& image : r.model.images) observations[image.name] = observations_of(image);
-  for (PhotoReport& p : r.photos) {
-    const auto found = observations.find(p.name);
-    p.registered = found != observations.end();
-    if (p.registered) p.observations = found->second;
-  }
+// Number of photos with a pose; views without one have that of their rig if any view of it has one.
+size_t posed(const ColmapModel& model, const std::vector<SfmPhoto>& photos) {
+  std::set<std::string> names, rigs;
+  for (const ColmapImage& image : model.images) names.insert(image.name);
+  for (const SfmPhoto& p : photos)
+    if (p.rig && names.contains(p.name)) rigs.insert(p.rig->panorama);
+  return size_t(std::ranges::count_if(
+      photos, [&](const SfmPhoto& p) { return names.contains(p.name) || (p.rig && rigs.contains(p.rig->panorama)); }));
 }
 
 // Removes photos with a pose from fewer than `least` points until all others have enough; records it in the reports.
@@ -193,8 +192,9 @@ MatchCounts prepare_database(Colmap& colmap, const SfmConfig& config, const Reco
     extract_features(colmap, config, with_progress_in(desc, 0, 0.3), effort, database, known);
   } else {
     fs::copy_file(desc.found_features, database);
-    ColmapDatabase(database).drop_geometries();
     link_pictures(desc);
+    if (desc.found_matches) return {};
+    ColmapDatabase(database).drop_geometries();
   }
   if (desc.timing) desc.timing("features", timer.seconds());
   return match_and_verify(colmap, config, with_progress_in(desc, 0.3, 0.6), database);
@@ -209,6 +209,21 @@ ReconstructDesc fresh(const ReconstructDesc& desc) {
 }
 
 }  // namespace
+
+size_t observations_of(const ColmapImage& image) {
+  return static_cast<size_t>(
+      std::count_if(image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
+}
+
+void mark_registered(Reconstruction& r) {
+  std::map<std::string, size_t> observations;
+  for (const ColmapImage& image : r.model.images) observations[image.name] = observations_of(image);
+  for (PhotoReport& p : r.photos) {
+    const auto found = observations.find(p.name);
+    p.registered = found != observations.end();
+    if (p.registered) p.observations = found->second;
+  }
+}
 
 FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind) {
   const ColmapDatabase db(database);
@@ -270,7 +285,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     if (now.pairs_verified > 0) {  // the mapper aborts on an empty graph
       const fs::path models = desc.work_folder / fmt::format("models_{}", r);
       make_folders(models);
-      std::vector<ColmapSetting> settings = mapper_settings(config, rung);
+      std::vector<ColmapSetting> settings =
+          mapper_settings(config, rung, std::ranges::all_of(desc.photos, [](const SfmPhoto& p) { return p.rig.has_value(); }));
       settings.push_back({"database", database.string()});
       settings.push_back({"images", (desc.work_folder / "pictures").string()});
       settings.push_back({"output", models.string()});
@@ -299,13 +315,14 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     attempt.registered = now.model.images.size();
     now.attempts.push_back(attempt);
     mark_registered(now);
-    const bool better = r == 0 || now.model.images.size() > best.model.images.size();
+    const bool better = r == 0 || posed(now.model, desc.photos) > posed(best.model, desc.photos);
     if (better) {
       best = std::move(now);
     } else {
       best.attempts = now.attempts;
     }
-    if (double(best.model.images.size()) >= std::max(kRetryBelow, config.min_registered) * double(desc.photos.size())) break;
+    if (double(posed(best.model, desc.photos)) >= std::max(kRetryBelow, config.min_registered) * double(desc.photos.size()))
+      break;
   }
   return best;
 }

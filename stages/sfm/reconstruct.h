@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/colmap_model.h"
 #include "core/intake/poses/pose_agreement.h"
 #include "stages/sfm/colmap_driver.h"
@@ -33,6 +34,7 @@ struct SfmPhoto {
   int width = 0, height = 0;
   std::optional<double> focal_px;  // prior
   std::string camera;              // maker and model; photos of equal camera, size and focal length share intrinsics
+  std::optional<PhotoRig> rig = {};  // of a view cut from a panorama: pinhole, its focal length is exact
 };
 
 // Result of the attempts for one photo.
@@ -59,6 +61,13 @@ struct PairReport {
   size_t a = 0, b = 0, verified = 0;  // indices of photos
 };
 
+// Effect of one pose for all views of a rig.
+struct RigEffect {
+  size_t rigs = 0, views = 0;                // with a pose
+  size_t completed = 0;                      // views without a pose of their own that take that of their rig
+  double error_before = 0, error_after = 0;  // of the adjustment, RMS, pixels
+};
+
 struct Reconstruction {
   ColmapModel model;                             // image names are photo names; ids 1..n in name order
   std::vector<ColmapModel> smaller_models = {};  // of photos that are not in the main model
@@ -71,6 +80,7 @@ struct Reconstruction {
   double uncalibrated_share = 0;  // share of the pairs with an EXIF focal length that fit only without it
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
   std::optional<MaskEffect> masks;  // of the best attempt
+  std::optional<RigEffect> rigs;    // of views cut from panorama pictures (rigs.h)
 };
 
 struct ReconstructDesc {
@@ -80,6 +90,7 @@ struct ReconstructDesc {
   const FeatureMasks* masks = nullptr;  // null: every feature is used
   UsedFeatures used = UsedFeatures::ByTurntable;
   fs::path found_features = {};  // database of these photos with features to reuse; empty: extract them
+  bool found_matches = false;    // reuse its verified matches, too
   // [photo] its pass (passes.h). Between passes only features of the object are matched, because the surroundings moved. Empty:
   // one pass.
   std::vector<size_t> pass_of = {};
@@ -96,6 +107,11 @@ struct FoundMatches {
   std::vector<std::vector<std::pair<uint32_t, uint32_t>>> features;  // [pair][match] indices of the two features
 };
 FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind);
+
+// Number of 2D points with a 3D point.
+size_t observations_of(const ColmapImage& image);
+// Sets the observations of the photos that have a pose; clears `registered` of the others.
+void mark_registered(Reconstruction& r);
 
 // With too few registered photos it returns the partial (perhaps empty) model: diagnosis.h decides.
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc);

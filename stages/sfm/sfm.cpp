@@ -26,6 +26,7 @@
 #include "stages/sfm/gps_frame.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
+#include "stages/sfm/rigs.h"
 #include "stages/sfm/zoom_groups.h"
 
 namespace vitrine {
@@ -45,7 +46,8 @@ std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo
                    .width = p.width,
                    .height = p.height,
                    .focal_px = p.focal_px,
-                   .camera = p.camera});
+                   .camera = p.camera,
+                   .rig = p.rig});
   part_by_zoom(out, photos);
   return out;
 }
@@ -176,7 +178,10 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
     if (!given && !(effect && effect->object_applied) && config.turntable != Turntable::No)
       s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
                                                         : passes_without_masks(desc, s.reconstruction);
-    if (!given && config.principal_point == PrincipalPoint::Auto) principal_points(s.reconstruction.model, context);
+    if (!given && has_rigs(list))
+      one_pose_per_rig(colmap, config, desc, s.reconstruction, context);
+    else if (!given && config.principal_point == PrincipalPoint::Auto)
+      principal_points(s.reconstruction.model, context);
     if (s.passes.joined()) s.reconstruction.model = object_points(s.reconstruction.model, list, *masks);
   }
   if (given)

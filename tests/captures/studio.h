@@ -6,8 +6,9 @@
 #include <memory>
 
 #include "core/foundation/base/parallel.h"
-#include "core/scene/image/ldr.h"
 #include "core/foundation/math/color.h"
+#include "core/scene/camera/equirect.h"
+#include "core/scene/image/ldr.h"
 #include "sample_data/generate/ray_scene.h"
 
 namespace vitrine::test {
@@ -46,22 +47,30 @@ class Studio {
   }
 
   ImageF linear(const View& view) const {
+    const Intrinsics& k = view.intrinsics;
+    return picture(k.width, k.height, inverse(view.cam_from_world), [&](double x, double y) { return normalized(k.ray(x, y)); });
+  }
+  // All directions; the middle of the picture looks along the camera's +z.
+  ImageF panorama(const Rigid& cam_from_world, int width) const {
+    return picture(width, width / 2, inverse(cam_from_world),
+                   [&](double x, double y) { return equirect_direction(x, y, width, width / 2); });
+  }
+
+ private:
+  template <class Ray>
+  ImageF picture(int width, int height, const Rigid& world_from_cam, Ray&& ray) const {
     constexpr int kSamples = 2;
-    ImageF image(view.intrinsics.width, view.intrinsics.height, 3, 0.0f);
-    const Rigid world_from_cam = inverse(view.cam_from_world);
+    ImageF image(width, height, 3, 0.0f);
     parallel_for(size_t(image.height()), 4, [&](size_t row) {
       for (int x = 0; x < image.width(); ++x)
         for (int s = 0; s < kSamples * kSamples; ++s) {
           const double px = x + (s % kSamples + 0.5) / kSamples, py = double(row) + (s / kSamples + 0.5) / kSamples;
-          const Vec3f c = seen(cast<float>(world_from_cam.translation),
-                               cast<float>(normalized(world_from_cam.rotation * view.intrinsics.ray(px, py))));
+          const Vec3f c = seen(cast<float>(world_from_cam.translation), cast<float>(world_from_cam.rotation * ray(px, py)));
           for (int k = 0; k < 3; ++k) image.at(x, int(row), k) += c[size_t(k)] / (kSamples * kSamples);
         }
     });
     return image;
   }
-
- private:
   generate::Texture speckles(uint32_t n) const {
     if (desc_.plain) return grey();
     return [seed = desc_.seed * 16 + n](const generate::SurfacePoint& s) {

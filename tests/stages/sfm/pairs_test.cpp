@@ -51,9 +51,22 @@ TEST(CandidatePairs, AboveTheLimitHoldSequenceLoopsAndLookAlikes) {
     }
   }
   // Each photo's four look-alikes are exactly the four others of its place.
-  const auto nearest = nearest_by_appearance(photos, 4, 0);
+  const auto nearest = nearest_by_appearance(photos, {.retrieved = 4});
   for (uint32_t a = 0; a < 60; ++a)
     for (uint32_t b : nearest[a]) EXPECT_EQ(a % 12, b % 12);
+}
+
+TEST(CandidatePairs, OfOneRigAreNoneAndThoseOfTheNextRigAreNeighbours) {
+  constexpr uint32_t kOfRig = 10;
+  std::vector<PhotoFeatures> photos = photos_of_places(60, 12);
+  std::vector<size_t> rig;
+  for (uint32_t i = 0; i < 60; ++i) rig.push_back(i / kOfRig);
+  for (const int limit : {10, 100}) {
+    const std::vector<PhotoPair> pairs = candidate_pairs(photos, {.exhaustive_limit = limit, .window = 10, .retrieved = 5, .rig = rig});
+    EXPECT_TRUE(std::ranges::none_of(pairs, [&](const PhotoPair& p) { return rig[p.first] == rig[p.second]; }));
+    for (uint32_t a = 0; a < kOfRig; ++a)
+      for (uint32_t b = kOfRig; b < 2 * kOfRig; ++b) EXPECT_TRUE(std::ranges::binary_search(pairs, PhotoPair{a, b}));
+  }
 }
 
 TEST(CandidatePairs, DoNotDependOnThreads) {
