@@ -10,7 +10,8 @@ std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transform
 std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
     onnx_corpus(), weights_corpus(), objects_corpus();
-std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus();
+std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus(),
+    gpano_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
   using namespace std::string_view_literals;
@@ -103,6 +104,7 @@ std::span<const FuzzFormat> fuzz_formats() {
        {"II*\0"sv, "MM\0*"sv, "\x00\x01\x04\x00\x01\x00\x00\x00"sv, "\x03\x01\x03\x00"sv, "\x11\x01\x04\x00"sv,
         "\x17\x01\x04\x00"sv, "\x12\xc6\x01\x00"sv, "\x4a\x01\x04\x00"sv, "\xff\xff\xff\x7f"sv, "FUJIFILMCCD-RAW ", "IIRO",
         "Canon", "NIKON", "SONY"}},
+      {"gpano", fuzz_gpano, gpano_corpus, {"xmlns:", "panorama/", "GPano:", "=\"", "'", "><", "1e9", "99999999999"}},
       {"icc",
        fuzz_icc,
        icc_corpus,

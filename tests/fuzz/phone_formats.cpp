@@ -1,5 +1,6 @@
-// HEIC, AVIF and raw photos. Builds without libheif or LibRaw have the readers of boxes and no corpus of that format.
+// HEIC, AVIF and raw photos, XMP of panoramas. Builds without libheif or LibRaw have the readers of boxes and no corpus of that format.
 #include "core/intake/photos/linear_photo.h"
+#include "core/intake/photos/panorama.h"
 #include "core/intake/photos/photo_files.h"
 #include "core/scene/image/heif_file.h"
 #include "stages/ingest/develop.h"
@@ -26,6 +27,21 @@ void fuzz_raw(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("photo.dng", text_of(bytes));
   refuses_or_reads([&] { ingest::develop(path, 64); });
   refuses_or_reads([&] { reduced_photo(path, read_photo_head(path), 16); });
+}
+
+void fuzz_gpano(std::span<const uint8_t> bytes) {
+  const GPano xmp = parse_gpano(text_of(bytes));
+  for (int size : {xmp.full_width, xmp.full_height, xmp.cropped_width, xmp.cropped_height})
+    if (size < 0 || size > 1 << 20) throw std::logic_error("a size outside of the range of pictures");
+  panorama_of(xmp, 4096, 2048, [] { return ImageF(8, 4, 3); });
+}
+
+std::vector<std::string> gpano_corpus() {
+  const std::string begin = "<x:xmpmeta><rdf:Description xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\"";
+  return {begin + " GPano:ProjectionType=\"equirectangular\" GPano:FullPanoWidthPixels=\"4096\" "
+                  "GPano:CroppedAreaImageHeightPixels='2048'/></x:xmpmeta>",
+          begin + "><GPano:ProjectionType>cylindrical</GPano:ProjectionType><GPano:FullPanoHeightPixels>77<"
+                  "/GPano:FullPanoHeightPixels></rdf:Description></x:xmpmeta>"};
 }
 
 std::vector<std::string> heif_corpus() {

@@ -133,6 +133,7 @@ std::vector<std::string> records_corpus() {
     photos[i].focal_px = 70.5;
     if (i == 1) photos[i].gps = GpsPosition{47.5, -8.25, 431.5, "TOKYO", 4.5};
   }
+  photos[1].rig = PhotoRig{"a.jpg", {0.5, 0.5, 0.5, 0.5}};
   write_photo_list(fuzz_folder() / "made", photos);
   Manifest manifest;
   manifest.stage = "mesh", manifest.key = "00", manifest.terms = {{"stage", "mesh"}, {"option.voxel", "0.004"}};
