@@ -8,6 +8,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/observe/stereo/patch_match.h"
+#include "core/scene/camera/holdout.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
@@ -130,8 +131,9 @@ ImageF NormalCapture::photo(size_t view, int width, int height) const {
 NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& objects,
                                   int holdout_every) {
   NormalCapture capture{.sfm = sfm, .objects = LabelledObjects::trusted(objects), .set = load_view_set(sfm), .helpers = {}};
+  const std::vector<uint8_t> heldout = heldout_views(sfm, capture.set.views, holdout_every);
   for (uint32_t v = 0; v < capture.set.views.size(); ++v)
-    if (!is_heldout(v, holdout_every)) capture.helpers.push_back(v);
+    if (!heldout[v]) capture.helpers.push_back(v);
   return capture;
 }
 

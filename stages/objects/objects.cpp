@@ -12,6 +12,7 @@
 #include "core/foundation/base/process.h"
 #include "core/observe/stereo/silhouette.h"
 #include "core/scene/camera/view_masks.h"
+#include "core/scene/camera/holdout.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/mesh/mesh_io.h"
@@ -46,6 +47,7 @@ class ObjectsRun {
       : config_(config),
         context_(context),
         views_(load_view_set(context.input("sfm"))),
+        heldout_(heldout_views(context.input("sfm"), views_.views, config.holdout_every)),
         masks_(context.optional_input("masks")) {}
 
   void run() {
@@ -75,7 +77,7 @@ class ObjectsRun {
       auto& silhouettes = silhouettes_[size_t(kind)];
       for (uint32_t v = 0; v < views_.views.size(); ++v) {
         throw_if_interrupted();
-        if (is_heldout(v, config_.holdout_every)) continue;
+        if (heldout_[v]) continue;
         const View& view = views_.views[v];
         if (auto s = mask_silhouette(*masks_, kind, view, view.intrinsics.limited_to(config_.max_side)))
           silhouettes.push_back(std::move(*s));
@@ -158,7 +160,7 @@ class ObjectsRun {
         object.role = object_role_of(MaskClass::Specular, figure, !hull, config_.coat_below);
       }
     }
-    find_solids(set_, {context_.input("sfm"), views_, silhouettes_[size_t(MaskClass::Transparent)], config_.holdout_every});
+    find_solids(set_, {context_.input("sfm"), views_, silhouettes_[size_t(MaskClass::Transparent)], heldout_});
     std::map<ObjectRole, int> numbers;
     for (Object& object : set_.objects) {
       object.name = numbered(object.role, ++numbers[is_glass(object.role) ? ObjectRole::ThinGlass : object.role]);
@@ -201,7 +203,7 @@ class ObjectsRun {
       const fs::path path = label_path(context_.output(), views_.views[v]);
       make_folders(path.parent_path());
       write_png16(path, labels);
-      if (!is_heldout(v, config_.holdout_every)) photos[v] = counted(labels, marked_objects_path(*masks_, views_.views[v]), names);
+      if (!heldout_[v]) photos[v] = counted(labels, marked_objects_path(*masks_, views_.views[v]), names);
     });
     throw_if_interrupted();
     PhotoCounts all;
@@ -332,6 +334,7 @@ class ObjectsRun {
   const ObjectsConfig& config_;
   StageContext& context_;
   const ViewSet views_;
+  const std::vector<uint8_t> heldout_;
   const std::optional<fs::path> masks_;
   std::array<std::vector<Silhouette>, kMaskClassCount> silhouettes_;  // of the training photos
   std::array<MaskOrigin, kMaskClassCount> origin_;

@@ -44,7 +44,7 @@ struct SolidTrialDesc {
   std::filesystem::path sfm;
   const ViewSet& views;
   std::span<const Silhouette> glass;  // silhouettes of the transparent masks
-  int holdout_every;                  // held-out photos are not used
+  std::span<const uint8_t> heldout;   // [view] 1: not used
 };
 // Sets the role solid_glass for glass objects with one exact, closed, curved shape that the photos show to be solid, and stores
 // both scores in their evidence. No change where stereo or the number of usable pixels is insufficient.

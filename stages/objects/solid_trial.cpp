@@ -51,11 +51,11 @@ EdgePhoto small_photo(const std::filesystem::path& sfm, const View& view) {
 }
 
 // Loads at most kMostPhotos, evenly spread; the others stay empty.
-std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every) {
+std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewSet& set, std::span<const uint8_t> heldout) {
   std::vector<EdgePhoto> photos(set.views.size());
   std::vector<size_t> trained;
   for (size_t v = 0; v < photos.size(); ++v)
-    if (!is_heldout(v, holdout_every)) trained.push_back(v);
+    if (!heldout[v]) trained.push_back(v);
   const size_t stride = (trained.size() + kMostPhotos - 1) / kMostPhotos;
   parallel_for(photos.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
@@ -134,7 +134,7 @@ struct GlassTrial {
 std::vector<std::vector<uint8_t>> marked_pixels(const Shape& shape, std::span<const View> views, const SolidTrialDesc& desc) {
   std::vector<std::vector<uint8_t>> marked(views.size());
   parallel_for(views.size(), 1, [&](size_t v) {
-    if (is_heldout(v, desc.holdout_every)) return;
+    if (desc.heldout[v]) return;
     marked[v] = mask_of_rays(views[v], [&](size_t, const Vec3d& eye, const Vec3d& direction) {
       return intersect(shape, {eye, direction}).has_value();
     });
@@ -225,7 +225,7 @@ void find_solids(ObjectSet& set, const SolidTrialDesc& desc) {
     const Shape* shape = one_curved_shape(set.shapes, object.id);
     if (!is_glass(object.role) || object.trust == ObjectTrust::Guessed || shape == nullptr) continue;
     throw_if_interrupted();
-    if (!stereo) stereo.emplace(read_photos(desc.sfm, desc.views, desc.holdout_every), desc.views);
+    if (!stereo) stereo.emplace(read_photos(desc.sfm, desc.views, desc.heldout), desc.views);
     if (stereo->blind()) return;
     const auto result = trial(*stereo, *shape, marked_pixels(*shape, stereo->views(), desc));
     if (!result) continue;

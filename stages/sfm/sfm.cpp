@@ -15,6 +15,7 @@
 #include "core/intake/poses/named_poses.h"
 #include "core/intake/poses/pose_check.h"
 #include "core/intake/poses/pose_files.h"
+#include "core/scene/camera/holdout.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
@@ -330,6 +331,11 @@ void run(const SfmConfig& config, StageContext& context) {
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
   if (scene.geo) add_geo_origin(output / "transforms.json", *scene.geo);
+  Rigs rigs;
+  for (const Photo& p : photos)
+    if (p.rig && std::ranges::any_of(model.images, [&](const ColmapImage& image) { return image.name == p.name; }))
+      rigs[p.name] = p.rig->panorama;
+  if (!rigs.empty()) write_rigs(output, rigs);
   write_lenses(output / "sfm" / "lenses.json", undistortions, model, r, photos);
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
                                                     .colmap = s.colmap,

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/scene/camera/holdout.h"
 #include "core/scene/camera/panorama_views.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/ingest/ingest.h"
@@ -51,6 +52,8 @@ TEST(PanoramaCaptures, HaveTheirTruePosesAndOneCentreForAllViewsOfEach) {
   const std::vector<View> views = load_view_set(context.output()).views;
   EXPECT_EQ(views.size(), kPanoramas * kPanoramaViews) << "views without matches have the pose of their panorama";
   EXPECT_EQ(context.metrics.at("panoramas"), double(kPanoramas));
+  const std::vector<uint8_t> heldout = heldout_views(context.output(), views, 3);
+  for (size_t i = 0; i < views.size(); ++i) EXPECT_EQ(heldout[i] != 0, i / kPanoramaViews % 3 == 0) << views[i].name;
   std::vector<Vec3d> got, expected;
   for (size_t i = 0; i < views.size(); ++i) {
     EXPECT_EQ(views[i].name, truth[i].name);

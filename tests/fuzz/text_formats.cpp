@@ -3,6 +3,7 @@
 #include "core/foundation/config/schema.h"
 #include "core/intake/masks/marks_check.h"
 #include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/holdout.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/light/lighting.h"
@@ -76,6 +77,9 @@ void fuzz_records(std::span<const uint8_t> bytes) {
   refuses_or_reads([&] { read_photo_list(folder); });
   refuses_or_reads([&] { read_scene_info(path); });
   refuses_or_reads([&] { read_gains(path); });
+  std::filesystem::create_directories(folder / "sfm", ec);
+  input_file("records/sfm/rigs.json", text_of(bytes));
+  refuses_or_reads([&] { read_rigs(folder); });
   refuses_or_reads([&] { read_view_split(path, two_views()); });
   refuses_or_reads([&] { manifest_from_json(text_of(bytes), "manifest.json"); });
   const Facts facts = Facts::of_file(path);
@@ -152,6 +156,7 @@ std::vector<std::string> records_corpus() {
               [](const fs::path& p) {
                 write_gains(p, {{"b.jpg", {1, 1.1, 0.9}}, {"left/a.jpg", {1, 1, 1}}});
               }),
+      "{\"panorama_of\": {\"left/a.jpg\": \"a.jpg\", \"b.jpg\": \"a.jpg\"}}",
       "{\"holdout_every\": 8, \"max_side\": 640, \"train\": [\"b.jpg\"], \"heldout\": [\"left/a.jpg\"]}",
       to_json(manifest),
       R"({"v":1,"type":"stage_end","stage":"mesh","seconds":1.5,"peak_rss_bytes":1000,"key":"00","stages":[{"name":"mesh"}]})",

@@ -9,6 +9,7 @@
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/camera/holdout.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
@@ -116,8 +117,9 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
     capture.photos[i] = make_photo(views[i], linear, max_side);
   });
   throw_if_interrupted();
+  const std::vector<uint8_t> heldout = heldout_views(sfm_folder, views, holdout_every);
   for (size_t i = 0; i < views.size(); ++i) {
-    (is_heldout(i, holdout_every) ? capture.heldout : capture.train).push_back(static_cast<uint32_t>(i));
+    (heldout[i] ? capture.heldout : capture.train).push_back(static_cast<uint32_t>(i));
     capture.largest_pixel_count = std::max(capture.largest_pixel_count, capture.photos[i].levels[0].srgb.size() / 3);
   }
   if (capture.train.empty())
