@@ -113,7 +113,8 @@ std::string help_text(const OptionTable& table) {
   for (const Option& o : table.options) {
     std::string head = fmt::format("  {}: {}, default {}", o.path, kind_text(o), default_text(o));
     if (!o.affects_result) head += " (same result)";
-    const std::vector<std::string> lines = wrapped(head, 78);
+    // 80 columns: the first line is indented by 2, those that follow by 6.
+    const std::vector<std::string> lines = wrapped(head, head.size() <= 80 ? 78 : 74);
     for (size_t i = 0; i < lines.size(); ++i) out += fmt::format("{}{}\n", i == 0 ? "  " : "      ", lines[i]);
     for (const std::string& line : wrapped(o.doc, 74)) out += fmt::format("      {}\n", line);
   }
