@@ -9,7 +9,7 @@ VITRINE_PACKAGES=(
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libopencv-dnn-dev
   libjpeg-dev libpng-dev libtiff-dev
   libceres-dev libcgal-dev libopenmesh-dev libmeshoptimizer-dev libembree-dev libopenexr-dev libeigen3-dev
-  libyaml-cpp-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libutf8proc-dev libexif-dev liblcms2-dev libpugixml-dev zlib1g-dev
+  libyaml-cpp-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libutf8proc-dev libexif-dev liblcms2-dev libpugixml-dev zlib1g-dev libzstd-dev
   libsqlite3-dev libdnnl-dev
   libheif-dev libraw-dev
   colmap

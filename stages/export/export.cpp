@@ -68,6 +68,7 @@ void run_export(const ExportConfig& config, StageContext& context) {
   make_folders(folder);
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
   std::set<std::string> all;
+  const bool by_default = config.formats == export_format_names();
   for (const std::string& name : config.formats) {
     throw_if_interrupted();
     context.progress({.fraction = double(written.size()) / double(config.formats.size()), .text = name, .values = {}});
@@ -75,12 +76,18 @@ void run_export(const ExportConfig& config, StageContext& context) {
     VITRINE_CHECK(known, "'{}' passed the list of choices", name);
     const ExportFormat& format = *known;
     std::vector<std::string> files;
-    if (!format.of_albedo || source.has_albedo())
-      files = format.write(source, folder);
-    else if (config.formats == export_format_names())
+    if (!format.of_albedo || source.has_albedo()) {
+      try {
+        files = format.write(source, folder);
+      } catch (const Error& e) {
+        if (!by_default || e.detail().code != kFormatRange) throw;
+        source.add_note("not written: " + e.detail().why);
+      }
+    } else if (by_default) {
       source.add_note("not written: it needs the decompose stage");
-    else
+    } else {
       throw without_albedo(format);
+    }
     // Formats are exported, kept and replaced individually: no file may belong to two.
     for (const std::string& file : files) VITRINE_CHECK(all.insert(file).second, "two formats write {}", file);
     written.push_back({{"format", format.name},

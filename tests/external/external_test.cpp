@@ -2,6 +2,8 @@
 // splat-transform.
 // Label `external`: needs node, npm, chromium and the network (npm install, once per build folder).
 #include <algorithm>
+#include <cstdio>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +12,7 @@
 #include "core/foundation/math/color.h"
 #include "core/render/picture/decomposed_materials.h"
 #include "core/render/raster/renderer.h"
+#include "core/scene/camera/colmap_model.h"
 #include "stages/export/export.h"
 #include "stages/export/formats/gaussian_ply.h"
 #include "tests/external/programs.h"
@@ -105,6 +108,37 @@ TEST_F(External, SplatTransformReadsThe3dgsPly) {
   const std::string columns = csv.substr(0, csv.find('\n'));
   EXPECT_NE(columns.find("f_dc_0"), std::string::npos);
   EXPECT_NE(columns.find("f_rest_44"), std::string::npos) << "padded to degree 3";
+}
+
+// Its reader of SPZ is that of the authors of the format. It keeps the order and turns y up into the axes of PLY files.
+TEST_F(External, SplatTransformReadsTheSpz) {
+  const TemporaryFolder root;
+  const test::PaneScene scene;
+  scene.write(root.path());
+  ColmapModel cameras;
+  for (uint32_t i = 1; i <= 3; ++i) {
+    cameras.cameras.push_back(colmap_pinhole(i, {48, 36, 45, 45, 24, 18}));
+    cameras.images.push_back({i, {0, 1, 0, 0}, {0.1 * i, 0, 2}, i, fmt::format("{}.jpg", i), {}});
+  }
+  make_folders(root.path() / "sfm/sparse/0");
+  write_colmap_model(root.path() / "sfm/sparse/0", cameras, ColmapFormat::Binary);
+  test::RecordingContext c(
+      {{"sfm", root.path() / "sfm"}, {"optimize", root.path() / "optimize"}, {"mesh", root.path() / "mesh"}});
+  run_export({.formats = {"gaussians-spz"}}, c);
+  const Said said = run_external({"npx", "splat-transform", "-w", (c.output() / "export/gaussians.spz").string(), "spz.csv"});
+  ASSERT_EQ(said.code, 0) << said.out;
+  std::istringstream csv(read_file(fs::path(EXTERNAL_DIR) / "spz.csv"));
+  std::string names, line;
+  std::getline(csv, names);
+  EXPECT_TRUE(names.starts_with("x,y,z,")) << names;
+  for (size_t i = 0; i < scene.diffuse.size(); ++i) {
+    ASSERT_TRUE(std::getline(csv, line));
+    double p[3];
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf", p, p + 1, p + 2), 3) << line;
+    const float* mean = scene.diffuse.at(Attribute::Mean, i);
+    const double wanted[] = {mean[0], -mean[2], mean[1]};  // x, -y, -z of the y-up file
+    for (size_t k = 0; k < 3; ++k) ASSERT_NEAR(p[k], wanted[k], 1e-5) << line;
+  }
 }
 
 // What viewers do: display values, blended as they are.

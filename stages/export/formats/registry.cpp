@@ -14,6 +14,7 @@
   FORMAT(mesh_usd)                     \
   FORMAT(preview_3dgs)                 \
   FORMAT(gaussians_glb)                \
+  FORMAT(gaussians_spz)                \
   FORMAT(environment)
 
 namespace vitrine {

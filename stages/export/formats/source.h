@@ -142,6 +142,9 @@ struct ExportFormat {
   std::vector<std::string> (*write)(ExportSource& source, const std::filesystem::path& folder);
 };
 
+// Code of the Error of a format that cannot hold the scene. With the default list such a format is skipped, with a note.
+inline constexpr const char* kFormatRange = "FORMAT_RANGE";
+
 std::span<const ExportFormat> export_formats();
 std::vector<std::string> export_format_names();
 const ExportFormat* find_export_format(std::string_view name);

@@ -1,10 +1,11 @@
-// USD text, the merged preview, Gaussians as glTF and the environment, each read without the writers' code.
+// USD text, the merged preview, Gaussians as glTF and SPZ, and the environment, each read without the writers' code.
 #include <algorithm>
 #include <cstring>
 #include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include "core/foundation/base/json.h"
 #include "core/scene/camera/colmap_model.h"
@@ -12,6 +13,7 @@
 #include "core/render/picture/decomposed_materials.h"
 #include "stages/export/bake/preview_fit.h"
 #include "stages/export/export.h"
+#include "tests/stages/export/float_ply.h"
 #include "tests/stages/export/pane_scene.h"
 #include "tests/support/recording_context.h"
 
@@ -262,6 +264,126 @@ TEST_F(MoreFormats, GaussiansGlbHasTheExtensionsAttributes) {
   std::memcpy(dc, ply.data() + body + 4 * (row * floats + 6), 12);
   const auto dc_glb = first(prefix + "SH_DEGREE_0_COEF_0", "VEC3", row);
   for (size_t k = 0; k < 3; ++k) EXPECT_EQ(dc_glb[k], dc[k]);
+}
+
+// The header and the decompressed streams of an SPZ file of version 4.
+struct SpzFile {
+  uint32_t version = 0, surfels = 0;
+  uint8_t degree = 0, fraction_bits = 0, flags = 0;
+  std::vector<std::string> streams;  // positions, opacities, colours, scales, rotations, f_rest
+};
+
+template <class T>
+T number_at(const std::string& bytes, size_t at) {
+  T v{};
+  EXPECT_LE(at + sizeof v, bytes.size());
+  std::memcpy(&v, bytes.data() + at, std::min(sizeof v, bytes.size() - std::min(at, bytes.size())));
+  return v;
+}
+
+SpzFile parsed_spz(const fs::path& path) {
+  const std::string bytes = read_file(path);
+  SpzFile file;
+  EXPECT_EQ(bytes.substr(0, 4), "NGSP");
+  file.version = number_at<uint32_t>(bytes, 4), file.surfels = number_at<uint32_t>(bytes, 8);
+  file.degree = number_at<uint8_t>(bytes, 12), file.fraction_bits = number_at<uint8_t>(bytes, 13);
+  file.flags = number_at<uint8_t>(bytes, 14);
+  const size_t streams = number_at<uint8_t>(bytes, 15), table = number_at<uint32_t>(bytes, 16);
+  EXPECT_EQ(table, 32u) << "no extensions";
+  EXPECT_EQ(bytes.substr(20, 12), std::string(12, '\0'));
+  size_t at = table + 16 * streams;
+  for (size_t i = 0; i < streams; ++i) {
+    const auto packed = number_at<uint64_t>(bytes, table + 16 * i), size = number_at<uint64_t>(bytes, table + 16 * i + 8);
+    std::string stream(size, '\0');
+    EXPECT_EQ(ZSTD_decompress(stream.data(), size, bytes.data() + at, packed), size);
+    file.streams.push_back(std::move(stream));
+    at += packed;
+  }
+  EXPECT_EQ(at, bytes.size());
+  return file;
+}
+
+// Decodes as the specification says and compares with the floats of preview_3dgs.ply.
+TEST_F(MoreFormats, GaussiansSpzHoldsThePreviewInFewerBits) {
+  SplatLayer degree2(LayerKind::Diffuse, 2, scene_.diffuse.size());
+  for (const AttributeRow& r : kAttributes)
+    if (r.id != Attribute::ShRest) std::ranges::copy(scene_.diffuse.values(r.id), degree2.values(r.id).begin());
+  for (size_t i = 0; i < degree2.values(Attribute::ShRest).size(); ++i)
+    degree2.values(Attribute::ShRest)[i] = 0.01f * float(i % 37) - 0.18f;
+  const size_t n = degree2.size();
+  write_layer(root_.path() / "optimize/gaussians/diffuse.ply", degree2);
+  RecordingContext c = context(), again = context();
+  run_export({.formats = {"preview-3dgs", "gaussians-spz"}, .axes = ExportAxes::Rhyu}, c);
+  run_export({.formats = {"gaussians-spz"}}, again);  // always y up
+  const fs::path path = c.output() / "export/gaussians.spz";
+  EXPECT_EQ(read_file(path), read_file(again.output() / "export/gaussians.spz"));
+  EXPECT_LT(fs::file_size(path), fs::file_size(c.output() / "export/preview_3dgs.ply") / 8);
+  const SpzFile spz = parsed_spz(path);
+  EXPECT_EQ(spz.version, 4u);
+  ASSERT_EQ(spz.surfels, n);
+  EXPECT_EQ(spz.degree, 2);
+  EXPECT_EQ(spz.flags, 0);
+  ASSERT_EQ(spz.streams.size(), 6u);
+  const size_t widths[] = {9, 1, 3, 3, 4, 24};
+  for (size_t k = 0; k < 6; ++k) ASSERT_EQ(spz.streams[k].size(), widths[k] * n) << k;
+  const test::FloatPly ply = test::parsed_ply(c.output() / "export/preview_3dgs.ply");
+  const auto byte = [&](size_t stream, size_t at) { return double(uint8_t(spz.streams[stream][at])); };
+  double worst_sh[2] = {0, 0};
+  for (size_t i = 0; i < n; ++i) {
+    const char* const axes[] = {"x", "y", "z"};
+    for (size_t k = 0; k < 3; ++k) {
+      uint32_t fixed = 0;
+      std::memcpy(&fixed, spz.streams[0].data() + 9 * i + 3 * k, 3);
+      const double position = double(int32_t(fixed << 8) >> 8) / double(1 << spz.fraction_bits);
+      ASSERT_NEAR(position, ply.value(i, axes[k]), 0.51 / (1 << spz.fraction_bits));
+      ASSERT_NEAR((byte(2, 3 * i + k) / 255 - 0.5) / 0.15, ply.value(i, fmt::format("f_dc_{}", k)), 0.51 / 255 / 0.15);
+      const double scale = byte(3, 3 * i + k) / 16 - 10;
+      ASSERT_NEAR(scale, std::max(ply.value(i, fmt::format("scale_{}", k)), -10.f), 0.51 / 16);
+    }
+    ASSERT_NEAR(byte(1, i) / 255, 1 / (1 + std::exp(-double(ply.value(i, "opacity")))), 0.51 / 255);
+    auto packed = number_at<uint32_t>(spz.streams[4], 4 * i);
+    const size_t largest = packed >> 30;
+    double q[4], square = 0, dot = 0;  // x y z w
+    for (size_t k = 4; k-- > 0;) {
+      if (k == largest) continue;
+      q[k] = std::sqrt(0.5) * (packed & 511) / 511 * ((packed & 512) != 0 ? -1 : 1);
+      square += q[k] * q[k], packed >>= 10;
+    }
+    q[largest] = std::sqrt(1 - square);
+    for (size_t k = 0; k < 4; ++k) dot += q[k] * ply.value(i, fmt::format("rot_{}", (k + 1) % 4));
+    ASSERT_NEAR(std::abs(dot), 1, 1e-5);
+    for (size_t k = 0; k < 8; ++k)
+      for (size_t ch = 0; ch < 3; ++ch) {
+        const double h = (byte(5, 24 * i + 3 * k + ch) - 128) / 128, meant = ply.value(i, fmt::format("f_rest_{}", 15 * ch + k));
+        worst_sh[k >= 3] = std::max(worst_sh[k >= 3], std::abs(h - std::clamp(meant, -1.0, 127.0 / 128)));
+      }
+  }
+  EXPECT_LE(worst_sh[0], 4.51 / 128);
+  EXPECT_LE(worst_sh[1], 8.51 / 128);
+}
+
+TEST_F(MoreFormats, GaussiansSpzRefusesWhatItsPositionsCannotHold) {
+  scene_.diffuse.at(Attribute::Mean, 0)[0] = 50;
+  write_layer(root_.path() / "optimize/gaussians/diffuse.ply", scene_.diffuse);
+  RecordingContext c = context(), all = context();
+  try {
+    run_export({.formats = {"gaussians-spz"}, .scale = 1e6}, c);
+    ADD_FAILURE() << "positions of 5e7 file units were written";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_EQ(e.detail().code, kFormatRange);
+    EXPECT_NE(e.detail().why.find("5e+07"), std::string::npos) << e.detail().why;
+    EXPECT_NE(e.detail().hint.find("--scale"), std::string::npos);
+  }
+  // All formats, as by default: the others are written.
+  const fs::path model = root_.path() / "sfm/sparse/0";
+  write_colmap_model(model, read_colmap_model(model), ColmapFormat::Text);
+  make_folders(root_.path() / "sfm/images");
+  for (int i = 0; i < 8; ++i) write_file(root_.path() / fmt::format("sfm/images/view_{}.jpg", i), "photo");
+  run_export({.scale = 1e6, .texture_size = 32}, all);
+  EXPECT_FALSE(fs::exists(all.output() / "export/gaussians.spz"));
+  EXPECT_TRUE(fs::exists(all.output() / "export/gaussians.glb"));
+  EXPECT_NE(read_file(all.output() / "export/formats.json").find("not written: a surfel is 5e+07 file units"), std::string::npos);
 }
 
 TEST_F(MoreFormats, EnvironmentIsCopiedWhenThereIsOne) {
