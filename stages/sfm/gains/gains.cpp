@@ -10,6 +10,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/median.h"
+#include "stages/sfm/gains/ceres_log.h"
 
 namespace vitrine {
 
@@ -248,6 +249,7 @@ class Problem {
       problem.AddResidualBlock(new BalancePrior(terms.balance_sigma), prior_loss, of_view_[v].data());
       ordering->AddElementToGroup(of_view_[v].data(), 1);
     }
+    ceres_to_log();
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;

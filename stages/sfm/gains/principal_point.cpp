@@ -8,6 +8,8 @@
 #include <map>
 #include <memory>
 
+#include "stages/sfm/gains/ceres_log.h"
+
 namespace vitrine {
 
 namespace {
@@ -97,6 +99,7 @@ class Adjustment {
       else
         problem_.SetParameterBlockConstant(centre);
     }
+    ceres_to_log();
     ceres::Solver::Options options;
     options.linear_solver_type = model_.images.size() <= kDenseImages ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.max_num_iterations = kMostSteps;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "stages/sfm/gains/ceres_log.h"
+
 namespace vitrine {
 
 namespace {
@@ -117,6 +119,7 @@ RigAdjustment adjust_rigs(ColmapModel& model, std::span<const RigCamera> cameras
       problem.SetParameterBlockConstant(&body.translation.x);
       fixed = true;
     }
+    ceres_to_log();
     ceres::Solver::Options options;
     options.linear_solver_type = bodies.size() <= kDenseBodies ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.max_num_iterations = kMostRigSteps;
