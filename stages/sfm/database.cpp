@@ -27,6 +27,23 @@ bool descriptor_is_undefined(std::span<const float> keypoint, double height) {
   return height - keypoint[1] < 3 * sigma + 1;
 }
 
+// A disk that is full, or a file system that lacks what SQLite needs, is no fault of COLMAP.
+[[noreturn]] void throw_database_error(sqlite3* db, const fs::path& path, const char* what, const std::string& why) {
+  const int code = sqlite3_errcode(db) & 0xff;
+  const bool full = code == SQLITE_FULL, disk = full || code == SQLITE_IOERR || code == SQLITE_PROTOCOL;
+  throw Error(
+      disk ? ErrorKind::Resource : ErrorKind::Dependency, fmt::format("COLMAP's database cannot be {}", what),
+      {.where = path.string(),
+       .why = why,
+       .hint = full   ? "free some disk space and run the same command again"
+               : disk ? "free some disk space, or put the output folder (-o) on a local disk: network file systems may lack "
+                        "what a database needs"
+                      : "run again; if it stays, look at the COLMAP log",
+       .code = full   ? "DISK_FULL"
+               : disk ? "SFM_DATABASE_DISK"
+                      : "SFM_DATABASE"});
+}
+
 class Statement {
  public:
   Statement(sqlite3* db, const fs::path& path, const std::string& sql) : db_(db), path_(path) {
@@ -52,13 +69,7 @@ class Statement {
   void bind(int at, const std::string& text) { sqlite3_bind_text(statement_, at, text.c_str(), -1, SQLITE_TRANSIENT); }
 
  private:
-  [[noreturn]] void fail() const {
-    throw Error(ErrorKind::Dependency, "COLMAP's database cannot be read",
-                {.where = path_.string(),
-                 .why = sqlite3_errmsg(db_),
-                 .hint = "run again; if it stays, look at the COLMAP log",
-                 .code = "SFM_DATABASE"});
-  }
+  [[noreturn]] void fail() const { throw_database_error(db_, path_, "read", sqlite3_errmsg(db_)); }
   sqlite3* db_;
   const fs::path& path_;
   sqlite3_stmt* statement_ = nullptr;
@@ -95,13 +106,7 @@ void ColmapDatabase::execute(const std::string& sql) const {
   if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, &message) == SQLITE_OK) return;
   const std::string why = message == nullptr ? sqlite3_errmsg(handle_) : message;
   sqlite3_free(message);
-  const int code = sqlite3_errcode(handle_);
-  const bool no_space = code == SQLITE_FULL || code == SQLITE_IOERR;
-  throw Error(no_space ? ErrorKind::Resource : ErrorKind::Dependency, "COLMAP's database cannot be written",
-              {.where = path_.string(),
-               .why = why,
-               .hint = no_space ? "free some disk space and run the same command again" : "run again",
-               .code = no_space ? "DISK_FULL" : "SFM_DATABASE"});
+  throw_database_error(handle_, path_, "written", why);
 }
 
 bool ColmapDatabase::has_table(const std::string& name) const {

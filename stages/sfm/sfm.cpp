@@ -28,6 +28,7 @@
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
 #include "stages/sfm/rigs.h"
+#include "stages/sfm/work_folder.h"
 #include "stages/sfm/zoom_groups.h"
 
 namespace vitrine {
@@ -157,8 +158,9 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
   } else {
     const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
     const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
+    const WorkFolder work(context.scratch(), [&](const char* code, const std::string& text) { context.warning(code, text); });
     const ReconstructDesc desc{.photos = list,
-                               .work_folder = context.scratch() / "colmap",
+                               .work_folder = work.path(),
                                .threads = context.threads(),
                                .masks = masks ? &*masks : nullptr,
                                .progress =

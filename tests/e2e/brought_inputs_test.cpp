@@ -241,6 +241,24 @@ TEST_F(BroughtInputs, ResultsAmongThePhotosAreRefusedByWhateverLink) {
   }
 }
 
+// Network and FUSE file systems: SQLite needs shared mappings for COLMAP's database.
+TEST_F(BroughtInputs, AFileSystemWithoutSharedMappingsGetsItsDatabaseElsewhere) {
+  const std::vector<std::string> words{photos().string(), "--poses", true_poses()};
+  make_folders(here("tmp"));
+  setenv("VITRINE_TEST_NO_MMAP", here("").c_str(), 1);
+  setenv("LD_PRELOAD", VITRINE_NO_MMAP, 1);
+  setenv("TMPDIR", here("tmp").c_str(), 1);
+  const Answer nowhere = ran(words, "sfm");
+  unsetenv("TMPDIR");
+  const Answer elsewhere = ran(words, "sfm");
+  unsetenv("LD_PRELOAD");
+  unsetenv("VITRINE_TEST_NO_MMAP");
+  EXPECT_EQ(nowhere.exit, 6) << nowhere.text;
+  EXPECT_TRUE(nowhere.codes.contains("NO_MMAP")) << nowhere.text;
+  EXPECT_EQ(elsewhere.exit, 0) << elsewhere.text;
+  EXPECT_TRUE(elsewhere.codes.contains("SCRATCH_ELSEWHERE")) << elsewhere.text;
+}
+
 TEST_F(BroughtInputs, APhotoOfAnotherKindThanItsNameIsLeftOutByTheTrueCause) {
   std::string heic(
       "\0\0\0\x18"
