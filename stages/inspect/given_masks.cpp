@@ -38,7 +38,12 @@ void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<Pho
                             return true;
                           }});
   for (const Note& note : masks.notes())
-    list.push_back({note.code, Severity::Warning, note.text, "a name means one photo", "", {}});
+    list.push_back({note.code,
+                    Severity::Warning,
+                    note.text,
+                    note.code == "MASKS_VOID_LABEL" ? "other values of a mask are shares of the class" : "a name means one photo",
+                    "",
+                    {}});
   if (masks.nothing()) {
     blank.push_back(masks.all_black_text());
     return;

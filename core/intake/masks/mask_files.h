@@ -76,8 +76,9 @@ class MaskFolder {
 std::vector<std::filesystem::path> files_of_mask_list(const std::filesystem::path& masks);
 
 // One channel in [0, 1]. Colour is converted to luma; a varying alpha channel takes precedence over colour; a file of small
-// integers is a label map. Throws Error{Input}: unreadable, or a colour photo.
-ImageF read_mask(const MaskFile& file);
+// integers is a label map, also with white for void, which is no label (`void_label` becomes true). Throws Error{Input}:
+// unreadable, or a colour photo.
+ImageF read_mask(const MaskFile& file, bool* void_label = nullptr);
 
 // Statistics of the masks of one class, to detect inverted masks.
 struct MaskExtent {

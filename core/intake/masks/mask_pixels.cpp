@@ -15,9 +15,18 @@ constexpr float kNothing = 0.02f;        // black, up to JPEG noise
 constexpr float kGreyTolerance = 0.02f;  // JPEG noise between the channels of a grey picture
 constexpr double kColourShare = 0.02;    // of pixels: a picture with a larger coloured share is a photo
 
+// Small labels and white, nothing between: a label map whose white is void, as PASCAL VOC and Cityscapes write it. Noise of a
+// mask covers less.
+bool is_label_map_with_void(const ImageF& mask) {
+  constexpr double kLabelShare = 0.001;  // of the pixels
+  size_t labels = 0, white = 0, black = 0;
+  for (float v : mask.data()) labels += v > 0 && v < kLabelLimit, white += v >= 1, black += v <= 0;
+  return white > 0 && labels + white + black == mask.data().size() && double(labels) > kLabelShare * double(mask.data().size());
+}
+
 }  // namespace
 
-ImageF read_mask(const MaskFile& file) {
+ImageF read_mask(const MaskFile& file, bool* void_label) {
   ImageF raw;
   try {
     raw = read_as_oriented(file.path);
@@ -72,8 +81,10 @@ ImageF read_mask(const MaskFile& file) {
       const float* p = &raw.data()[i * size_t(channels)];
       mask.data()[i] = std::max({p[0], p[1], p[2]}) > 0 ? 1.f : 0.f;
     }
-  } else if (highest > 0 && highest < kLabelLimit) {
-    for (float& v : mask.data()) v = v > 0 ? 1.f : 0.f;
+  } else if (const bool has_void = !by_alpha && is_label_map_with_void(mask);
+             has_void || (highest > 0 && highest < kLabelLimit)) {
+    for (float& v : mask.data()) v = v > 0 && v < kLabelLimit ? 1.f : 0.f;
+    if (void_label != nullptr) *void_label = has_void;
   }
   return mask;
 }

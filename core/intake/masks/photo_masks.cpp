@@ -18,9 +18,9 @@ bool called_like_photo(const MaskFile& file, const std::string& photo) {
 }
 
 // Reads a mask; nullopt for a photo without a varying alpha channel.
-std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& photo) {
+std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& photo, bool& void_label) {
   try {
-    return read_mask(file);
+    return read_mask(file, &void_label);
   } catch (const Error& e) {
     if (e.detail().code != "MASK_NOT_GREY" || !called_like_photo(file, photo)) throw;
     return std::nullopt;
@@ -79,10 +79,12 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
   const std::string class_name(name(desc.kind));
   matched_ = size_t(std::count_if(files_.begin(), files_.end(), [](const auto& f) { return f.has_value(); }));
   std::vector<MaskExtent> extents(files_.size());
-  std::vector<uint8_t> left_out(files_.size(), 0), photo_itself(files_.size(), 0);
+  std::vector<uint8_t> left_out(files_.size(), 0), photo_itself(files_.size(), 0), with_void(files_.size(), 0);
   parallel_for(files_.size(), 1, [&](size_t i) {
     if (!files_[i] || interrupt_signal() != 0) return;
-    const std::optional<ImageF> read = mask_or_photo(*files_[i], desc.photos[i]);
+    bool void_label = false;
+    const std::optional<ImageF> read = mask_or_photo(*files_[i], desc.photos[i], void_label);
+    with_void[i] = void_label;
     if (!read) {
       left_out[i] = photo_itself[i] = 1;
       return;
@@ -96,6 +98,12 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
   throw_if_interrupted();
   for (size_t i = 0; i < files_.size(); ++i)
     if (left_out[i]) files_[i].reset(), --matched_;
+  if (const auto maps = std::ranges::count(with_void, 1); maps > 0)
+    notes_.push_back(
+        {"MASKS_VOID_LABEL",
+         fmt::format("{} of the masks of the class '{}' have small labels and 255: labels belong to the class, 255 is "
+                     "taken for void and does not; if it does, write masks of 0 and 255 only",
+                     maps, class_name)});
   // Photos without a varying alpha channel are no masks.
   const auto photos_themselves = static_cast<size_t>(std::count(photo_itself.begin(), photo_itself.end(), 1));
   if (matched_ == 0 && photos_themselves > 0)

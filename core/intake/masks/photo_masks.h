@@ -46,7 +46,7 @@ class PhotoMasks {
   // "all masks of the class 'object' are black"
   std::string all_black_text() const;
   std::set<std::string> conventions() const;
-  const Notes& notes() const { return notes_; }  // on names
+  const Notes& notes() const { return notes_; }  // on names and labels
 
  private:
   ImageF with_polarity(ImageF mask) const;

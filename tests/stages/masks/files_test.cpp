@@ -119,6 +119,18 @@ TEST_F(Files, LabelsAlphaAndPaintedMasksAreUnderstood) {
   EXPECT_EQ(read_grey8(context->output() / "masks/specular/left/b.png"), disk_mask(80, 60, 15));
 }
 
+// PASCAL VOC and its descendants write 255 around objects whose outline is uncertain.
+TEST_F(Files, WhiteBesideLabelsIsVoid) {
+  const Image8 disk = disk_mask(80, 60, 15), large = disk_mask(80, 60, 18);
+  Image8 labels = disk;
+  for (size_t i = 0; i < labels.data().size(); ++i) labels.data()[i] = disk.data()[i] ? 1 + i % 2 : large.data()[i] ? 255 : 0;
+  put_all([](const fs::path& p) { return suffixed(p, ".png"); });
+  put("specular/a.png", labels);
+  const auto context = run();
+  EXPECT_EQ(read_grey8(context->output() / "masks/specular/a.png"), disk);
+  EXPECT_NE(context->warnings["MASKS_VOID_LABEL"].find("1 of the masks of the class 'specular'"), std::string::npos);
+}
+
 // The folder of photos given as that of masks: an alpha channel is the mask, a photo without one is none.
 TEST_F(Files, PhotosAreMasksWhereTheirAlphaVaries) {
   const Image8 disk = disk_mask(80, 60, 15);
