@@ -247,6 +247,18 @@ int failed(Reporter& reporter, const Error& e) {
   return exit_code(e.kind());
 }
 
+Error out_of_memory(const std::string& stage, std::string why) {
+  return {ErrorKind::Resource,
+          fmt::format("out of memory in stage '{}'", stage),
+          {.why = std::move(why), .hint = less_memory_hint(stage), .code = "OUT_OF_MEMORY"}};
+}
+
+Error internal_error(const std::string& stage, const std::exception& e) {
+  return {ErrorKind::Internal,
+          fmt::format("internal error in stage '{}': {}", stage, e.what()),
+          {.hint = "this is a bug in vitrine: please report it with run.json", .code = "INTERNAL"}};
+}
+
 // The pipeline passes its process id: when it is killed, the stage stops with a checkpoint.
 void stop_with_parent() {
   const char* parent = std::getenv("VITRINE_PARENT_PID");
@@ -282,15 +294,15 @@ int stage_main(Stage stage, int argc, char** argv) {
   } catch (const Error& e) {
     return failed(reporter, e);
   } catch (const std::bad_alloc&) {
-    return failed(
-        reporter,
-        Error(ErrorKind::Resource, fmt::format("out of memory in stage '{}'", stage.info.name),
-              {.why = "the system gave no more memory", .hint = less_memory_hint(stage.info.name), .code = "OUT_OF_MEMORY"}));
+    return failed(reporter, out_of_memory(stage.info.name, "the system gave no more memory"));
   } catch (const fs::filesystem_error& e) {
     return failed(reporter, error_of_file_system(e));
+  } catch (const std::system_error& e) {
+    if (e.code() == std::errc::resource_unavailable_try_again || e.code() == std::errc::not_enough_memory)
+      return failed(reporter, out_of_memory(stage.info.name, "the system gave no memory for another thread"));
+    return failed(reporter, internal_error(stage.info.name, e));
   } catch (const std::exception& e) {
-    return failed(reporter, Error(ErrorKind::Internal, fmt::format("internal error in stage '{}': {}", stage.info.name, e.what()),
-                                  {.hint = "this is a bug in vitrine: please report it with run.json", .code = "INTERNAL"}));
+    return failed(reporter, internal_error(stage.info.name, e));
   }
 }
 

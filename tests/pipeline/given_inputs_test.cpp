@@ -178,6 +178,18 @@ TEST_F(GivenInputs, MasksOfOtherPhotosEndTheRunAtOnceUnlessTheyAreNotUsed) {
             0);
 }
 
+// The libraries of the codecs find no address space: not a fault of the build.
+TEST_F(GivenInputs, TooLittleAddressSpaceIsNamedAsThat) {
+  const std::string program = (fs::path(VITRINE_BIN_DIR) / "vitrine-ingest").string(), out = (folder.path() / "out").string();
+  Answer a;
+  const ProcessResult r = run_process({.arguments = {"bash", "-c", "ulimit -v 200000; exec \"$@\"", "bash", program, "--input",
+                                                     "photos=" + photos.string(), "--output", out},
+                                       .on_line = [&](std::string_view line) { a.text += std::string(line) + "\n"; }});
+  EXPECT_EQ(r.exit_code, 6) << a.text;
+  EXPECT_NE(a.text.find("not enough memory for the codecs"), std::string::npos) << a.text;
+  EXPECT_NE(a.text.find("ulimit -v"), std::string::npos) << a.text;
+}
+
 TEST_F(GivenInputs, ResultsAreNeverWrittenIntoThemOrOverThem) {
   const fs::path link = folder.path() / "link", scene = folder.path() / "scene";
   fs::create_directory_symlink(photos, link);
