@@ -96,6 +96,17 @@ Reading reading_of(const PoseFile& file, const PhotoFinder& finder, std::span<co
     check_colmap_model(r.model, file.path, ColmapNames::Any);
   } else {
     r.transforms = read_transforms_file(file.path);
+    std::string parts = file.path.filename().string();
+    for (const fs::path& part : file.joined) {
+      const std::string name = part.filename().string();
+      parts += (part == file.joined.back() ? " and " : ", ") + name;
+      for (TransformsFrame& frame : read_transforms_file(part).frames) {
+        frame.place = name + ": " + frame.place;
+        r.transforms.frames.push_back(std::move(frame));
+      }
+    }
+    if (!file.joined.empty())
+      r.notes.push_back({"", fmt::format("the {} poses of {} are joined", r.transforms.frames.size(), parts)});
     for (const TransformsFrame& frame : r.transforms.frames) {
       r.names.push_back(frame.name);
       r.places.push_back(frame.place);
@@ -125,6 +136,7 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::Input || files.size() == 1) throw;
       if (!first_failure) first_failure = std::current_exception();
+      if (!file.joined.empty()) continue;  // its parts are named
       unreadable.push_back({"POSES_OTHERS_UNREADABLE", fmt::format("{} cannot be read: {}", file.path.string(), e.detail().why)});
     }
   if (readings.empty()) std::rethrow_exception(first_failure);
@@ -135,7 +147,13 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
   Reading out = std::move(*best);
   readings.erase(best);
   std::string others, other_formats;
+  const auto read_with = [&](const Reading& r) {  // parts and their union are no other set of poses
+    const auto& parts = out.file.joined;
+    return !r.file.joined.empty() || (!parts.empty() && r.file.path == out.file.path) ||
+           std::ranges::find(parts, r.file.path) != parts.end();
+  };
   for (const Reading& r : readings) {
+    if (read_with(r)) continue;
     // A transforms.json next to a COLMAP model is usually the same poses in another format.
     std::string& list = r.file.kind == out.file.kind ? others : other_formats;
     list += fmt::format("{}{} ({} poses, of {} of these photos)", list.empty() ? "" : ", ", r.file.path.string(), r.names.size(),

@@ -72,18 +72,22 @@ std::vector<fs::path> colmap_folders(const fs::path& root) {
   return found;
 }
 
-std::vector<fs::path> transforms_files(const fs::path& root) {
-  std::vector<fs::path> out, others;
-  const char* usual[] = {"transforms.json", "transforms_train.json", "transforms_val.json", "transforms_test.json"};
+std::vector<PoseFile> transforms_files(const fs::path& root) {
+  std::vector<PoseFile> out;
+  std::vector<fs::path> parts;
   std::error_code ec;
-  for (const char* name : usual)
-    if (fs::is_regular_file(root / name, ec)) out.push_back(root / name);
+  const auto take = [&](const fs::path& file) {
+    if (!fs::is_regular_file(file, ec) || std::ranges::find(out, file, &PoseFile::path) != out.end()) return false;
+    out.push_back({PoseFile::Kind::Transforms, file});
+    return true;
+  };
+  const bool whole = take(root / "transforms.json");
+  for (const char* part : {"train", "val", "test"})
+    if (const fs::path file = root / fmt::format("transforms_{}.json", part); take(file)) parts.push_back(file);
   for (const fs::path& entry : sorted_entries(root))
-    if (const std::string name = entry.filename().string(); name.starts_with("transforms") && name.ends_with(".json") &&
-                                                            fs::is_regular_file(entry, ec) &&
-                                                            std::find(out.begin(), out.end(), entry) == out.end())
-      others.push_back(entry);
-  out.insert(out.end(), others.begin(), others.end());
+    if (const std::string name = entry.filename().string(); name.starts_with("transforms") && name.ends_with(".json"))
+      take(entry);
+  if (!whole && parts.size() > 1) out.push_back({PoseFile::Kind::Transforms, parts[0], {parts.begin() + 1, parts.end()}});
   return out;
 }
 
@@ -161,7 +165,7 @@ std::vector<PoseFile> find_pose_files(const fs::path& given) {
   }
   std::vector<PoseFile> found;
   for (const fs::path& folder : colmap_folders(path)) found.push_back({PoseFile::Kind::Colmap, folder});
-  for (const fs::path& file : transforms_files(path)) found.push_back({PoseFile::Kind::Transforms, file});
+  for (PoseFile& file : transforms_files(path)) found.push_back(std::move(file));
   for (PoseFile& file : program_files(path)) found.push_back(std::move(file));
   if (found.empty() && !matrix_files(path).empty()) found.push_back({PoseFile::Kind::Matrices, path});
   if (found.empty())

@@ -16,7 +16,8 @@ namespace vitrine {
 struct PoseFile {
   enum class Kind { Colmap, Transforms, Matrices, Metashape, OpenSfm, OpenMvg };
   Kind kind = Kind::Colmap;
-  std::filesystem::path path;  // the folder of a COLMAP model; a JSON or XML file; the folder of the matrices
+  std::filesystem::path path;                      // the folder of a COLMAP model; a JSON or XML file; the folder of the matrices
+  std::vector<std::filesystem::path> joined = {};  // JSON files whose frames follow: the other parts of a split data set
 };
 
 // A file of poses by its content, whatever it is called.
@@ -28,7 +29,8 @@ struct RecognisedPoses {
 // JSON with mistakes counts as a transforms.json, whose reader reports them.
 RecognisedPoses recognised_poses(const std::filesystem::path& file);
 
-// All candidates in `path` (file or folder), the most common first; never empty. Throws Error{Input} when there are none; the
+// All candidates in `path` (file or folder), the most common first; never empty. transforms_train.json, _val and _test of a
+// folder without transforms.json are candidates alone, and the last one together. Throws Error{Input} when there are none; the
 // error names the format of unsupported files.
 std::vector<PoseFile> find_pose_files(const std::filesystem::path& path);
 

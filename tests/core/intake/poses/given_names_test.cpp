@@ -5,8 +5,8 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
-#include "core/intake/poses/given_poses.h"
 #include "core/intake/masks/mask_files.h"
+#include "core/intake/poses/given_poses.h"
 #include "core/scene/image/ldr.h"
 #include "tests/support/error_of.h"
 
@@ -205,9 +205,24 @@ TEST_F(GivenNames, OfBlendersFilesTheOneOfThesePhotosIsRead) {
   EXPECT_EQ(given.source.filename(), "transforms_test.json");
   EXPECT_NE(code(given, "POSES_SEVERAL").find("transforms_train.json"), std::string::npos);
   EXPECT_EQ(given_poses(folder.path(), std::vector{test[0], test[1]}, 0).source.filename(), "transforms_train.json");
-  EXPECT_EQ(
-      names(given_poses(folder.path(), std::vector{photo("train/r_0.png"), photo("train/r_1.png"), photo("test/r_0.png")}, 0)),
-      (Names{"train/r_0.png", "train/r_1.png"}));
+}
+
+TEST_F(GivenNames, BlendersFilesForTrainingAndTestAreJoinedForPhotosOfBoth) {
+  const std::string top = R"("camera_angle_x": 1.0, )";
+  transforms({"./train/r_0", "./train/r_1"}, top, "transforms_train.json");
+  transforms({"./test/r_0"}, top, "transforms_test.json");
+  const std::vector photos{photo("train/r_0.png"), photo("train/r_1.png"), photo("test/r_0.png")};
+  const GivenPoses given = given_poses(folder.path(), photos, 0);
+  EXPECT_EQ(names(given), (Names{"train/r_0.png", "train/r_1.png", "test/r_0.png"}));
+  const auto is = [&](const char* text) {
+    return std::any_of(given.notes.begin(), given.notes.end(), [&](const Note& n) { return n.text.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(is("the 3 poses of transforms_train.json and transforms_test.json are joined"));
+  EXPECT_FALSE(is("several sets of poses"));
+  // A file given itself stays alone; a transforms.json is the whole set.
+  EXPECT_EQ(names(given_poses(folder.path() / "transforms_train.json", photos, 0)), (Names{"train/r_0.png", "train/r_1.png"}));
+  transforms({"./train/r_0", "./train/r_1"}, top);
+  EXPECT_EQ(names(given_poses(folder.path(), photos, 0)), (Names{"train/r_0.png", "train/r_1.png"}));
 }
 
 TEST_F(GivenNames, PosesWithoutIntrinsicsNeedThoseOfThePhotos) {
