@@ -211,6 +211,55 @@ TEST_F(BroughtInputs, MasksBesideThePhotosAreNoPhotos) {
   expect({photos().string()}, "ingest", 0, "MASKS_BESIDE_PHOTOS", "masks_beside_photos");
 }
 
+TEST_F(BroughtInputs, MapsAndCutOutsBesideThePhotosAreNoPhotos) {
+  Image8 ramp(kWidth, kHeight, 1), few(kWidth, kHeight, 1), cut(kWidth, kHeight, 4);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      ramp.at(x, y, 0) = uint8_t(255 * y / kHeight);
+      few.at(x, y, 0) = uint8_t(3 * x / kWidth);
+      for (int c = 0; c < 4; ++c) cut.at(x, y, c) = 60 < y && y < 180 ? 200 : 0;
+    }
+  for (const View& v : views) {
+    write_ldr(photos() / (v.stem() + "_depth.png"), ramp);
+    write_ldr(photos() / (v.stem() + "_conf.png"), few);
+    write_file(photos() / (v.stem() + "_nobg.tif"), test::tagged_tiff(cut, ""));
+  }
+  const Answer run = ran({photos().string()}, "ingest"), look = inspected({photos().string()});
+  EXPECT_EQ(run.exit, 0) << run.text;
+  for (const char* code : {"DEPTH_BESIDE_PHOTOS", "CONFIDENCE_BESIDE_PHOTOS", "CUTOUTS_BESIDE_PHOTOS"}) {
+    EXPECT_TRUE(run.codes.contains(code)) << code << " is not in\n" << run.text;
+    EXPECT_TRUE(look.codes.contains(lowered(code))) << code << " is not in\n" << look.text;
+  }
+  const fs::path artifact = here("out/.cache/ingest") / current_key(here("out"), "ingest").value();
+  EXPECT_EQ(nlohmann::json::parse(read_file(artifact / "ingest/photos.json"))["photos"].size(), views.size());
+}
+
+TEST_F(BroughtInputs, LabelMapsWithAVoidValueAreNamed) {
+  for (const View& v : views) {
+    Image8 labels(kWidth, kHeight, 1);
+    for (int y = 80; y < 160; ++y)
+      for (int x = 100; x < 220; ++x) labels.at(x, y, 0) = x < 104 ? 255 : uint8_t(1 + x % 2);
+    make_folders(here("masks/object"));
+    write_ldr(here("masks/object") / (v.stem() + ".png"), labels);
+  }
+  EXPECT_TRUE(inspected({photos().string(), "--masks", here("masks").string()}).codes.contains("MASKS_VOID_LABEL"));
+}
+
+// The whole list of mistakes: tests/pipeline/given_inputs_test.cpp.
+TEST_F(BroughtInputs, MistakesInMarksAndMeasuresAreRefusedBeforeAnythingIsComputed) {
+  write_file(here("marks.yaml"), fmt::format("size: [{}, {}]\nmarks:\n  - {{photo: {}, class: glass, box: [9, 9, 99, 99]}}\n",
+                                             kWidth, kHeight, views[0].name));
+  const std::vector<std::string> marked{photos().string(), "--masks", here("marks.yaml").string()};
+  const Answer marks = ran(marked, "masks"), look = inspected(marked);
+  EXPECT_TRUE(marks.exit == 2 && marks.codes.contains("BAD_CONFIG")) << marks.text;
+  EXPECT_EQ(look.exit, 2);
+  EXPECT_NE(look.text.find("marks.yaml:3:"), std::string::npos) << look.text;
+  // A card measured in photos of twice the size.
+  const Answer card = ran({photos().string(), "--grey-card", views[0].name + ":410,220,60,40"}, "export");
+  EXPECT_TRUE(card.exit == 2 && card.codes.contains("GREY_CARD")) << card.text;
+  EXPECT_FALSE(fs::exists(here("out")));
+}
+
 TEST_F(BroughtInputs, ReducedCopiesInADatasetAreNoPhotos) {
   const fs::path set = here("set");
   make_folders(set);
