@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <span>
 
@@ -231,6 +232,22 @@ size_t ColmapDatabase::examined_pairs() const {
 void ColmapDatabase::drop_descriptors() { execute("DELETE FROM descriptors; VACUUM;"); }
 
 void ColmapDatabase::drop_geometries() { execute("DELETE FROM matches; DELETE FROM two_view_geometries;"); }
+
+void ColmapDatabase::replace_cameras(std::span<const ColmapCamera> cameras, const std::vector<bool>& known,
+                                     std::span<const std::pair<uint32_t, size_t>> camera_of) {
+  std::string sql = "BEGIN; DELETE FROM cameras;";
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const ColmapCamera& camera = cameras[c];
+    std::string params;
+    for (const std::byte b : std::as_bytes(std::span(camera.params))) params += fmt::format("{:02X}", uint8_t(b));
+    sql += fmt::format(
+        "INSERT INTO cameras(camera_id, model, width, height, params, prior_focal_length) VALUES({},{},{},{},X'{}',{});", c + 1,
+        camera.model_id, camera.width, camera.height, params, int(known[c]));
+  }
+  for (const auto& [image, camera] : camera_of)
+    sql += fmt::format("UPDATE images SET camera_id={} WHERE image_id={};", camera + 1, image);
+  execute(sql + "COMMIT;");
+}
 
 void ColmapDatabase::take_geometries(const fs::path& other) {
   {

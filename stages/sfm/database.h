@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/foundation/base/file.h"
+#include "core/scene/camera/colmap_model.h"
 
 struct sqlite3;
 
@@ -53,6 +56,9 @@ class ColmapDatabase {
   size_t examined_pairs() const;                        // pairs that the geometric verification processed, successful or not
   void drop_descriptors();                              // for a copy used for verification, which needs only keypoints
   void drop_geometries();  // removes matches and two-view geometries, for a copy that is matched again
+  // Replaces all cameras: `camera_of` pairs image ids with indices of `cameras`, `known` marks trusted focal lengths.
+  void replace_cameras(std::span<const ColmapCamera> cameras, const std::vector<bool>& known,
+                       std::span<const std::pair<uint32_t, size_t>> camera_of);
   // Copies matches and two-view geometries from another database with the same images.
   void take_geometries(const fs::path& other);
 

@@ -19,27 +19,6 @@ namespace vitrine {
 
 namespace {
 
-// Photos that share one camera, in order of their first photo.
-std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& photos, const ColmapModel* known) {
-  std::map<std::string, std::vector<size_t>> by_key;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    const SfmPhoto& p = photos[i];
-    std::string key = fmt::format("{}x{} {}{} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-",
-                                  p.rig ? " rig" : "", p.camera);
-    if (known != nullptr) {
-      const auto image =
-          std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
-      if (image == known->images.end()) continue;  // photos without a pose are not used
-      key = fmt::format("camera {}", image->camera_id);
-    }
-    by_key[key].push_back(i);
-  }
-  std::vector<std::vector<size_t>> groups;
-  for (auto& [key, members] : by_key) groups.push_back(std::move(members));
-  std::sort(groups.begin(), groups.end());
-  return groups;
-}
-
 // f, cx, cy and zero distortion in the order of the camera model's parameters.
 std::string prior_params(const std::string& model, const SfmPhoto& p) {
   const ColmapCameraType* type = colmap_camera_type(model);
@@ -100,16 +79,6 @@ class ObjectFeatures {
   std::vector<std::vector<uint32_t>> index_;  // index of the packed descriptors among all features of the photo
 };
 
-// [i] number of the rig of photo `photo_of[i]`; empty without rigs.
-std::vector<size_t> rig_of_each(const std::vector<SfmPhoto>& photos, std::span<const size_t> photo_of) {
-  if (std::ranges::none_of(photos, [](const SfmPhoto& p) { return p.rig.has_value(); })) return {};
-  std::map<std::string, size_t> numbers;
-  std::vector<size_t> out;
-  for (const size_t i : photo_of)
-    out.push_back(photos[i].rig ? numbers.try_emplace(photos[i].rig->panorama, numbers.size()).first->second : photos.size() + i);
-  return out;
-}
-
 // The last lines of COLMAP's output are the best available evidence.
 [[noreturn]] void throw_colmap_failed(const std::string& command, const std::string& what, const ProcessResult& result) {
   constexpr size_t kTail = 600;
@@ -121,7 +90,37 @@ std::vector<size_t> rig_of_each(const std::vector<SfmPhoto>& photos, std::span<c
                .code = "SFM_COLMAP_FAILED"});
 }
 
+// [i] number of the rig of photo `photo_of[i]`; empty without rigs.
+std::vector<size_t> rig_of_each(const std::vector<SfmPhoto>& photos, std::span<const size_t> photo_of) {
+  if (std::ranges::none_of(photos, [](const SfmPhoto& p) { return p.rig.has_value(); })) return {};
+  std::map<std::string, size_t> numbers;
+  std::vector<size_t> out;
+  for (const size_t i : photo_of)
+    out.push_back(photos[i].rig ? numbers.try_emplace(photos[i].rig->panorama, numbers.size()).first->second : photos.size() + i);
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& photos, const ColmapModel* known) {
+  std::map<std::string, std::vector<size_t>> by_key;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const SfmPhoto& p = photos[i];
+    std::string key = fmt::format("{}x{} {}{} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-",
+                                  p.rig ? " rig" : "", p.camera);
+    if (known != nullptr) {
+      const auto image =
+          std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
+      if (image == known->images.end()) continue;  // photos without a pose are not used
+      key = fmt::format("camera {}", image->camera_id);
+    }
+    by_key[key].push_back(i);
+  }
+  std::vector<std::vector<size_t>> groups;
+  for (auto& [key, members] : by_key) groups.push_back(std::move(members));
+  std::sort(groups.begin(), groups.end());
+  return groups;
+}
 
 std::string safe_name(size_t index) { return fmt::format("{:06}.png", index); }
 

@@ -11,6 +11,9 @@ namespace vitrine {
 std::string safe_name(size_t index);  // "000012.png"
 std::optional<size_t> index_of_safe_name(const std::string& name);
 
+// Photos that share one camera, in order of their first photo. `known` (optional): camera per photo, and only photos with one.
+std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& photos, const ColmapModel* known);
+
 struct FeatureEffort {
   int max_features = 8192;
   double peak_threshold = 0.02 / 3;  // contrast threshold of SIFT; a lower value finds more and weaker features

@@ -8,21 +8,15 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/timer.h"
 #include "core/foundation/math/connected_components.h"
-#include "core/intake/poses/colmap_repair.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/features.h"
-#include "stages/sfm/point_filter.h"
+#include "stages/sfm/mapping.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
 
 namespace {
 
-// One attempt of the retries: changes against the previous one.
-struct Rung {
-  std::string what;
-  bool relaxed_mapper = false, more_features = false;
-};
 const Rung kLadder[] = {
     {.what = "standard"},
     {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
@@ -33,45 +27,7 @@ const Rung kPassesLadder[] = {
      .relaxed_mapper = true,
      .more_features = true}};
 
-// Minimum focal length over longest side: 0.3 is a field of view of 118 degrees. Wrong poses are often compensated by wider
-// lenses.
-constexpr double kMinFocalRatio = 0.3;
-constexpr double kRetryBelow = 0.8;      // share of registered photos below which the retries run
-constexpr size_t kMinObservations = 40;  // points of a pose; poses with fewer are removed (twice as many after a retry)
-
-std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung, bool known_lenses) {
-  std::vector<ColmapSetting> s{{"map_threads", "1"},
-                               {"map_refine_principal", "0", false},
-                               {"map_min_model_size", "3", false},
-                               {"map_min_focal_ratio", fmt::format("{}", kMinFocalRatio), false},
-                               {"seed", std::to_string(config.seed), false}};
-  if (known_lenses) {
-    s.push_back({"map_refine_focal", "0"});
-    s.push_back({"map_refine_extra", "0"});
-  }
-  if (rung.relaxed_mapper) {
-    s.push_back({"map_init_min_inliers", "50"});
-    s.push_back({"map_init_min_angle", "6"});
-    s.push_back({"map_pose_min_inliers", "20"});
-  }
-  return s;
-}
-
-// All models below `folder`, best first: most photos, then most points, then the lower number.
-std::vector<ColmapModel> models_in(const fs::path& folder) {
-  std::vector<std::pair<int, fs::path>> found;
-  if (fs::is_directory(folder))
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.is_directory() && fs::exists(entry.path() / "images.bin"))
-        found.push_back({std::atoi(entry.path().filename().c_str()), entry.path()});
-  std::sort(found.begin(), found.end());
-  std::vector<ColmapModel> models;
-  for (const auto& [number, path] : found) models.push_back(read_colmap_model(path));
-  std::stable_sort(models.begin(), models.end(), [](const ColmapModel& a, const ColmapModel& b) {
-    return std::pair(a.images.size(), a.points.size()) > std::pair(b.images.size(), b.points.size());
-  });
-  return models;
-}
+constexpr double kRetryBelow = 0.8;  // share of registered photos below which the retries run
 
 // Connected components of the photos under verified pairs: index per photo; `sizes` largest first.
 std::vector<size_t> connected_groups(size_t n, const std::vector<PairReport>& edges, std::vector<size_t>& sizes) {
@@ -132,23 +88,6 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
   if (!desc.photos.empty()) out.rotation_share = rotation_share(verified, desc.photos[0].width, desc.photos[0].height);
 }
 
-// Replaces safe names by photo names; image ids become 1..n in name order, and tracks are updated.
-ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& photos) {
-  std::map<uint32_t, uint32_t> new_id;
-  std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    const std::optional<size_t> photo = index_of_safe_name(model.images[i].name);
-    VITRINE_CHECK(photo && *photo < photos.size(), "model names an image '{}' that we did not give", model.images[i].name);
-    new_id[model.images[i].id] = static_cast<uint32_t>(i) + 1;
-    model.images[i].id = static_cast<uint32_t>(i) + 1;
-    model.images[i].name = photos[*photo].name;
-  }
-  for (ColmapPoint3D& p : model.points)
-    for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
-  check_colmap_model(model, "COLMAP's model");
-  return model;
-}
-
 // Number of photos with a pose; views without one have that of their rig if any view of it has one.
 size_t posed(const ColmapModel& model, const std::vector<SfmPhoto>& photos) {
   std::set<std::string> names, rigs;
@@ -157,22 +96,6 @@ size_t posed(const ColmapModel& model, const std::vector<SfmPhoto>& photos) {
     if (p.rig && names.contains(p.name)) rigs.insert(p.rig->panorama);
   return size_t(std::ranges::count_if(
       photos, [&](const SfmPhoto& p) { return names.contains(p.name) || (p.rig && rigs.contains(p.rig->panorama)); }));
-}
-
-// Removes photos with a pose from fewer than `least` points until all others have enough; records it in the reports.
-void drop_weak_photos(Reconstruction& r, size_t least) {
-  while (true) {
-    std::set<uint32_t> weak;
-    for (const ColmapImage& image : r.model.images) {
-      const size_t have = observations_of(image);
-      if (have >= least) continue;
-      weak.insert(image.id);
-      for (PhotoReport& p : r.photos)
-        if (p.name == image.name) p.weak_points = have;
-    }
-    if (weak.empty()) return;
-    r.model = without_images(std::move(r.model), weak);
-  }
 }
 
 // Maps the progress of a sub-step to [low, high].
@@ -282,39 +205,10 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     survey(desc, database, counts, now);
     now.attempts = best.attempts;
     Attempt attempt{.what = rung.what, .model_sizes = {}};
-    if (now.pairs_verified > 0) {  // the mapper aborts on an empty graph
-      const fs::path models = desc.work_folder / fmt::format("models_{}", r);
-      make_folders(models);
-      std::vector<ColmapSetting> settings =
-          mapper_settings(config, rung, std::ranges::all_of(desc.photos, [](const SfmPhoto& p) { return p.rig.has_value(); }));
-      settings.push_back({"database", database.string()});
-      settings.push_back({"images", (desc.work_folder / "pictures").string()});
-      settings.push_back({"output", models.string()});
-      size_t seen = 0;
-      Timer timer;
-      const ProcessResult result = colmap.run({.command = "mapper",
-                                               .settings = settings,
-                                               .working_folder = desc.work_folder,
-                                               .log = desc.work_folder / "colmap.log",
-                                               .on_line = [&](std::string_view line) {
-                                                 if (line.find("Registering image") == std::string_view::npos) return;
-                                                 seen = std::min(seen + 1, desc.photos.size());
-                                                 if (desc.progress)
-                                                   desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()),
-                                                                 fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
-                                               }});
-      if (desc.timing) desc.timing("map", timer.seconds());
-      if (result.signal != 0) log_warning("sfm: COLMAP's mapper was ended by signal {}; what it left is used", result.signal);
-      std::vector<ColmapModel> found = models_in(models);
-      for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
-      for (size_t m = 0; m < found.size(); ++m)
-        (m == 0 ? now.model : now.smaller_models.emplace_back()) = with_photo_names(std::move(found[m]), desc.photos);
-    }
-    // Relaxed thresholds at the start require stricter ones at the end.
-    drop_weak_photos(now, kMinObservations * (rung.relaxed_mapper ? 2 : 1));
-    attempt.registered = now.model.images.size();
-    now.attempts.push_back(attempt);
-    mark_registered(now);
+    if (now.pairs_verified > 0)  // the mapper aborts on an empty graph
+      attempt.model_sizes = run_mapper(colmap, config, desc, rung, desc.work_folder / fmt::format("models_{}", r), now);
+    now.relaxed = rung.relaxed_mapper;
+    finish_attempt(now, std::move(attempt));
     const bool better = r == 0 || posed(now.model, desc.photos) > posed(best.model, desc.photos);
     if (better) {
       best = std::move(now);

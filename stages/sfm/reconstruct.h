@@ -78,6 +78,7 @@ struct Reconstruction {
   std::vector<PairReport> pairs;  // verified ones
   double rotation_share = 0;      // share of the verified pairs explained by a purely rotating camera
   double uncalibrated_share = 0;  // share of the pairs with an EXIF focal length that fit only without it
+  bool relaxed = false;           // found by a relaxed mapper
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
   std::optional<MaskEffect> masks;  // of the best attempt
   std::optional<RigEffect> rigs;    // of views cut from panorama pictures (rigs.h)

@@ -39,6 +39,33 @@ std::string photo(int id, const std::string& name, int tag, const std::string& y
       id, name, floats, descriptor);
 }
 
+TEST(ColmapDatabase, CamerasAreReplaced) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "db";
+  execute(path, std::string(kSchema) + "INSERT INTO cameras VALUES(7,2,150,100,NULL,1);" + photo(1, "a", 10) + photo(2, "b", 20));
+  ColmapDatabase db(path);
+  const std::vector<ColmapCamera> cameras{{.model_id = 0, .width = 150, .height = 100, .params = {120, 75, 50}},
+                                          {.model_id = 2, .width = 150, .height = 100, .params = {240, 75, 50, 0.5}}};
+  const std::vector<std::pair<uint32_t, size_t>> camera_of{{1, 1}, {2, 0}};
+  db.replace_cameras(cameras, {true, false}, camera_of);
+  const std::vector<PhotoFeatures> f = db.features();
+  EXPECT_EQ(f[0].camera_id, 2u);
+  EXPECT_EQ(f[1].camera_id, 1u);
+  sqlite3* raw = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &raw), SQLITE_OK);
+  std::string rows;
+  const auto add = [](void* to, int n, char** values, char**) {
+    for (int i = 0; i < n; ++i) *static_cast<std::string*>(to) += std::string(values[i]) + " ";
+    return 0;
+  };
+  sqlite3_exec(raw, "SELECT camera_id, model, width, height, hex(params), prior_focal_length FROM cameras ORDER BY camera_id",
+               add, &rows, nullptr);
+  sqlite3_close(raw);
+  EXPECT_EQ(rows,
+            "1 0 150 100 0000000000005E400000000000C052400000000000004940 1 "
+            "2 2 150 100 0000000000006E400000000000C052400000000000004940000000000000E03F 0 ");
+}
+
 TEST(ColmapDatabase, PutsIdsInTheOrderOfNames) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "db";
