@@ -81,7 +81,8 @@ StageReport sfm_report() {
           .folded("median", "registered")};
   report.facts = {{kPoses, "{points.kept:n} sparse points"},
                   {kPoses, "{passes.text}; the object was moved between them"},
-                  {kPoses, "{gps.text}"}};
+                  {kPoses, "{gps.text}"},
+                  {kPoses, "focal lengths found by the matches: {focal_lengths.text}"}};
   return report;
 }
 

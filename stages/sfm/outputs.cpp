@@ -107,6 +107,17 @@ nlohmann::json gps_json(const GpsFit& fit) {
   return j;
 }
 
+nlohmann::json focals_json(const FocalSearch& focals) {
+  nlohmann::json j{{"found", kFocalVerdictWords[size_t(focals.verdict)]},
+                   {"error_before_px", focals.error_before},
+                   {"error_own_focals_px", focals.error_own}};
+  if (focals.verdict != FocalVerdict::Several) return j;
+  j["error_after_px"] = focals.error_after;
+  j["text"] = focals.text();
+  for (const FocalSearch::Group& g : focals.groups) j["cameras"].push_back({{"focal_px", g.focal_px}, {"photos", g.photos}});
+  return j;
+}
+
 }  // namespace
 
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera) {
@@ -189,6 +200,7 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
                  {"views_without_own_pose", r.rigs->completed},
                  {"error_before_px", r.rigs->error_before},
                  {"error_after_px", r.rigs->error_after}};
+  if (desc.focals.verdict != FocalVerdict::One) j["focal_lengths"] = focals_json(desc.focals);
   if (desc.passes != nullptr) j["passes"] = passes_json(*desc.passes);
   size_t registered = 0;
   j["photos"] = nlohmann::json::array();

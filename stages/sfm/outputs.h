@@ -6,6 +6,7 @@
 
 #include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/undistort.h"
+#include "stages/sfm/focal_search.h"
 #include "stages/sfm/gps_frame.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/object_poses.h"
@@ -38,7 +39,8 @@ struct SfmReportDesc {
   FilterCounts points = {};
   const ObjectPasses* passes = nullptr;  // null: not searched
   const GpsFit* gps = nullptr;           // null: no photo has coordinates
-  std::string code = {};                 // of the diagnosis, for a failed run
+  FocalSearch focals = {};
+  std::string code = {};  // of the diagnosis, for a failed run
 };
 
 // Match matrix: one square per pair of photos in name order, darker blue = more verified matches; diagonal: green = registered,

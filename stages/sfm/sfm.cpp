@@ -22,6 +22,7 @@
 #include "core/scene/image/ldr.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
+#include "stages/sfm/focal_search.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/gps_frame.h"
@@ -74,6 +75,7 @@ struct Solved {
   Reconstruction reconstruction;
   std::string colmap = "none";
   ObjectPasses passes = {};
+  FocalSearch focals = {};
 };
 
 std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext& context, const std::vector<SfmPhoto>& photos) {
@@ -140,6 +142,27 @@ void principal_points(ColmapModel& model, StageContext& context) {
     log_debug("sfm: a principal point {}: it stays in the middle", text);
 }
 
+// Reports the result of the search for several focal lengths.
+void report_focals(const FocalSearch& focals, StageContext& context) {
+  switch (focals.verdict) {
+    case FocalVerdict::One:
+      return;
+    case FocalVerdict::Several:
+      context.metric("focal_lengths", double(focals.groups.size()));
+      log_info(
+          "sfm: the photos have several focal lengths, a camera each: {} ({:.2f} px instead of {:.2f} with the cameras of EXIF)",
+          focals.text(), focals.error_after, focals.error_before);
+      return;
+    case FocalVerdict::Unsorted:
+      context.warning(
+          "SFM_MIXED_FOCAL",
+          fmt::format("the photos contradict one focal length: with one for each photo the error falls from {:.2f} to "
+                      "{:.2f} px, but no groups of equal ones were found. Poses may be wrong: leave the zoom where it is, "
+                      "do not crop, or use the photos with their EXIF data",
+                      focals.error_before, focals.error_own));
+  }
+}
+
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
   PosePixels pixels;
@@ -159,15 +182,15 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
     const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
     const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
     const WorkFolder work(context.scratch(), [&](const char* code, const std::string& text) { context.warning(code, text); });
-    const ReconstructDesc desc{.photos = list,
-                               .work_folder = work.path(),
-                               .threads = context.threads(),
-                               .masks = masks ? &*masks : nullptr,
-                               .progress =
-                                   [&](double fraction, const std::string& text) {
-                                     context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
-                                   },
-                               .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
+    ReconstructDesc desc{.photos = list,
+                         .work_folder = work.path(),
+                         .threads = context.threads(),
+                         .masks = masks ? &*masks : nullptr,
+                         .progress =
+                             [&](double fraction, const std::string& text) {
+                               context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
+                             },
+                         .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
     Colmap colmap;
     log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
     const PoseCheck check = [&](const ColmapModel& model, const std::vector<PhotoMatches>& matches) {
@@ -177,6 +200,8 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
       return std::move(checked.model);
     };
     s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
+    if (!given && !has_rigs(list)) s.focals = cameras_by_focal(colmap, config, desc, s.reconstruction);
+    report_focals(s.focals, context);
     const std::optional<MaskEffect>& effect = s.reconstruction.masks;
     if (!given && !(effect && effect->object_applied) && config.turntable != Turntable::No)
       s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
@@ -346,7 +371,8 @@ void run(const SfmConfig& config, StageContext& context) {
                                                     .orientation = orientation,
                                                     .points = counts,
                                                     .passes = &s.passes,
-                                                    .gps = gps ? &*gps : nullptr});
+                                                    .gps = gps ? &*gps : nullptr,
+                                                    .focals = s.focals});
   double error = 0, observations = 0;
   for (const ColmapPoint3D& p : model.points) {
     error += p.error_px * double(p.track.size());
