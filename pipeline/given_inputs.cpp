@@ -49,7 +49,9 @@ void check_objects(const fs::path& given) {
 
 PhotoNames::PhotoNames(const fs::path& photos) {
   try {
-    files_ = find_photos(photos).photos;
+    PhotoFolder found = find_photos(photos);
+    const bool cut = std::ranges::any_of(found.films, [](const FilmFile& film) { return !film.of_photo; });
+    if (!cut) files_ = std::move(found.photos);  // else the names of the frames are known after ingest
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
   }

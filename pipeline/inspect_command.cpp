@@ -29,7 +29,7 @@ using Json = nlohmann::ordered_json;
 struct InspectArguments {
   std::string output, poses, masks;
   std::vector<std::string> sets;
-  int threads = 0;
+  int threads = 0, frames = 0;
   bool json = false, verbose = false, help = false;
 };
 
@@ -38,6 +38,7 @@ struct Subject {
   std::optional<fs::path> project = {};  // output folder of an earlier run
   std::string poses = {}, masks = {};    // of the run; "none": explicitly none
   std::string truth = {};                // input.truth of the project
+  std::string frames = {};               // ingest.frames of the run; empty: the default
 
   bool has_masks() const { return !masks.empty() && masks != "none"; }
 };
@@ -62,6 +63,7 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   else if (const fs::path usual = default_project(what); is_project(usual))
     s.project = usual;
   Settings settings(graph);
+  if (a.frames > 0) s.frames = std::to_string(a.frames);
   if (!s.project) {
     settings.load({.flags = {{"input.photos", what.string(), "PHOTOS"},
                              {"input.poses", a.poses, "--poses"},
@@ -73,6 +75,8 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   check_measures(settings);
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
+  if (const Option* frames = settings.options.table.find("ingest.frames"); frames != nullptr && s.frames.empty())
+    s.frames = frames->text();
   if (a.masks.empty()) s.masks = settings.text("input.masks");
   // Poses that a run has already accepted need no rehearsal.
   if (a.poses.empty() && !current_key(*s.project, "sfm")) s.poses = settings.text("input.poses");
@@ -108,6 +112,7 @@ Json photos_report(const Subject& subject, const InspectArguments& a) {
     if (const auto key = current_key(*subject.project, "sfm"))
       run.insert(run.end(), {"--input", "sfm=" + (store_of(*subject.project) / "sfm" / *key).string()});
   if (subject.has_masks() && !is_yaml_file(subject.masks)) run.insert(run.end(), {"--input", "masks=" + subject.masks});
+  if (!subject.frames.empty()) run.insert(run.end(), {"--set", "frames=" + subject.frames});
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
   if (const int exit = run_and_tell(run); exit != 0) return {{"exit", exit}};
@@ -358,6 +363,7 @@ int inspect_command(const Words& words) {
             "run that has no cameras yet.");
   cli.value("masks", 0, "PATH", a.masks,
             "Masks that the run will be given: would they be taken? Layers take longer. Default: those of an earlier run.");
+  cli.value("frames", 0, "N", a.frames, 2, "Most frames of films that become photos; default: as in a run.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads, here and in the estimates; 0 = all.");
   cli.flag("json", 0, a.json, "One JSON record on stdout.");

@@ -14,6 +14,7 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/config/schema.h"
 #include "core/foundation/config/yaml.h"
+#include "core/intake/photos/photo_files.h"
 
 namespace vitrine {
 
@@ -40,7 +41,7 @@ fs::path project_of(const std::string& word) {
 fs::path default_project(const fs::path& photos) {
   fs::path folder = fs::absolute(photos).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
-  std::string name = folder.filename().string();
+  std::string name = (is_film_name(folder) && !fs::is_directory(folder) ? folder.stem() : folder.filename()).string();
   if ((name == "images" || name == "photos") && folder.has_parent_path()) name = folder.parent_path().filename().string();
   return fs::current_path() / (name + "-vitrine");
 }

@@ -28,13 +28,13 @@ struct RunArguments {
   std::string what, output, preset, poses, masks, objects, normals, truth, grey_card, scale_bar, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
-  int threads = 0, max_gaussians = 0;
+  int threads = 0, max_gaussians = 0, frames = 0;
   bool dry_run = false, no_preflight = false, no_progress = false, quiet = false, verbose = false, help = false;
 };
 
 CommandLine run_command_line(RunArguments& a) {
   CommandLine cli("vitrine run", "PHOTOS|PROJECT [-o DIR] [options]",
-                  "Photos in, scene out. PHOTOS is a folder of photos; PROJECT is the output folder of an earlier run, which "
+                  "Photos in, scene out. PHOTOS is a folder of photos, with films or without, or one film; PROJECT is the output folder of an earlier run, which "
                   "remembers its photos "
                   "and settings. Stages whose inputs and options did not change are not computed again.");
   cli.section("what");
@@ -63,6 +63,7 @@ CommandLine run_command_line(RunArguments& a) {
       "scale-bar", 0, "MARKS", a.scale_bar,
       "A scale bar in the picture, which sets the unit of exported files: its two ends in two or more photos and its length, "
       "\"PHOTO:X1,Y1,X2,Y2 PHOTO:X1,Y1,X2,Y2 = 5cm\", in pixels of the output folder's `images`.");
+  cli.value("frames", 0, "N", a.frames, 2, "Most frames of films that become photos (ingest.frames, 120).");
   cli.section("which stages");
   cli.value("from", 0, "STAGE", a.selection.from, "Leave the stages before this one as they are.");
   cli.value("to", 0, "STAGE", a.selection.to, "Stop after this stage.");
@@ -129,6 +130,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.truth", a.truth, "--truth");
   flag("decompose.grey_card", a.grey_card, "--grey-card");
   flag("export.scale_bar", a.scale_bar, "--scale-bar");
+  if (a.frames > 0) flag("ingest.frames", std::to_string(a.frames), "--frames");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
   if (a.max_gaussians > 0) {

@@ -12,7 +12,7 @@ VITRINE_PACKAGES=(
   libyaml-cpp-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libutf8proc-dev libexif-dev liblcms2-dev libpugixml-dev zlib1g-dev libzstd-dev
   libsqlite3-dev libdnnl-dev
   libheif-dev libraw-dev
-  colmap
+  colmap ffmpeg
 )
 # npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)

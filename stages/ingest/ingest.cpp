@@ -11,6 +11,7 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/intake/film/photos_and_films.h"
 #include "core/intake/photos/photo_list.h"
 #include "core/scene/camera/panorama_views.h"
 #include "core/scene/image/exr.h"
@@ -27,6 +28,7 @@ namespace {
 using namespace ingest;
 
 constexpr size_t kMinPhotos = 2;  // minimum for structure from motion
+constexpr double kFilmShare = 0.8;  // of the progress, if there are films
 
 // Result for one file.
 struct Outcome {
@@ -96,7 +98,8 @@ Outcome ingest_photo(const PhotoFile& file, const std::string& view_folder, int 
   return outcome;
 }
 
-std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_side, StageContext& context) {
+// Progress starts at the fraction `begun`.
+std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_side, double begun, StageContext& context) {
   std::vector<Outcome> outcomes(files.size());
   const size_t at_once = photos_at_once(files, context);
   const std::vector<std::string> folders = view_folders(files);
@@ -107,7 +110,7 @@ std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_
       outcomes[begin + i] = ingest_photo(files[begin + i], folders[begin + i], max_side, context.output());
     });
     const size_t done = begin + count;
-    context.progress({.fraction = static_cast<double>(done) / static_cast<double>(files.size()),
+    context.progress({.fraction = begun + (1 - begun) * static_cast<double>(done) / static_cast<double>(files.size()),
                       .text = fmt::format("{} / {} photos", done, files.size()),
                       .values = {{"done", static_cast<double>(done)}, {"total", static_cast<double>(files.size())}}});
   }
@@ -137,6 +140,19 @@ void report_folder(const PhotoFolder& folder, StageContext& context) {
     log_info("skipped {} hidden, {} of the system and {} other files{}{}", folder.listed.hidden, folder.listed.junk, skipped,
              skipped ? ": " : "", skipped_text(folder));
   for (const FolderNote& note : notes_of(folder)) context.warning(note.code, note.sentence());
+}
+
+void report_films(const PhotosAndFilms& all, StageContext& context) {
+  if (all.films.empty()) return;
+  context.metric("films", static_cast<double>(all.films.size()));
+  context.metric("film_frames", static_cast<double>(all.frames.size()));
+  for (const FilmReport& film : all.films)
+    if (!film.failure.empty())
+      context.warning("FILMS_LEFT_OUT", film.sentence());
+    else if (!film.notes.empty())
+      context.warning("FILM_CONTENT", film.sentence());
+    else
+      log_info("{}", film.sentence());
 }
 
 // Reports copies of one file: they cost time and add no information, but do no harm.
@@ -227,9 +243,19 @@ void report_photos(const std::vector<Photo>& photos, const std::string& colors, 
 
 void run(const IngestConfig& config, StageContext& context) {
   const fs::path input = context.input("photos");
-  const PhotoFolder folder = find_photos(input);
+  const PhotosAndFilms all =
+      photos_and_films(input, {.most_frames = size_t(config.frames),
+                               .work = context.scratch() / "films",
+                               .progress = [&](double fraction, const std::string& text) {
+                                 context.progress({.fraction = kFilmShare * fraction, .text = text, .values = {}});
+                               }});
+  const PhotoFolder& folder = all.folder;
   report_folder(folder, context);
-  const std::vector<Outcome> outcomes = ingest_photos(folder.photos, config.max_side, context);
+  report_films(all, context);
+  std::vector<Outcome> outcomes = ingest_photos(folder.photos, config.max_side, all.films.empty() ? 0 : kFilmShare, context);
+  for (size_t i = 0; i < outcomes.size(); ++i)
+    if (const std::string camera = all.camera_of(folder.photos[i].source); !camera.empty())
+      for (Photo& photo : outcomes[i].photos) photo.camera = camera;
 
   std::vector<Photo> photos;
   RepairedValues repaired;
@@ -261,6 +287,7 @@ void run(const IngestConfig& config, StageContext& context) {
   report_contents(folder.photos, outcomes, context);
   report_repeated(folder.photos, outcomes, context);
   write_photo_list(context.output(), photos);
+  write_film_report(context.output(), all);
   report_photos(photos, report_colors(outcomes, context), left_out, context);
 }
 
@@ -270,6 +297,7 @@ void describe(Describer& d, IngestConfig& c) {
   d.option("max_side", c.max_side,
            "Longest side of the ingested photos in pixels; larger ones are reduced in linear light; 0 = as they are.")
       .range(0, 32768);
+  d.option("frames", c.frames, "Most frames that become photos, of all films together.").range(2, 2000);
 }
 
 Stage ingest_stage() {
@@ -277,7 +305,7 @@ Stage ingest_stage() {
       {.name = "ingest",
        .version = 6,
        .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
-       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."}},
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw; films in it, or one film."}},
        .doing = "reading the photos",
        .cost = ingest_cost},
       &run);

@@ -1,4 +1,4 @@
-// Stage `ingest`: a folder of photos -> upright linear EXR files, 8-bit copies for structure from motion, and ingest/photos.json
+// Stage `ingest`: a folder of photos and films -> upright linear EXR files, 8-bit copies for structure from motion, and ingest/photos.json
 // with focal length and exposure from EXIF (README.md).
 #pragma once
 
@@ -8,6 +8,7 @@ namespace vitrine {
 
 struct IngestConfig {
   int max_side = 1600;
+  int frames = 120;
 };
 void describe(Describer& d, IngestConfig& c);
 

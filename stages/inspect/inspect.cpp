@@ -3,6 +3,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
+#include "core/intake/film/photos_and_films.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/inspect/coverage.h"
@@ -92,8 +93,25 @@ std::string verdict(const std::vector<Finding>& list) {
   return worst == Severity::Problem ? "poor" : worst == Severity::Warning ? "usable" : "good";
 }
 
+void add_films(const PhotosAndFilms& all, std::vector<Finding>& list) {
+  for (const FilmReport& film : all.films)
+    list.push_back({film.failure.empty() ? "film_frames" : "film_left_out",
+                    film.failure.empty() && film.notes.empty() ? Severity::Note : Severity::Warning, film.sentence(),
+                    fmt::format("the sharpest frame of each part, at least {:.0f} % of the picture apart", 100 * all.least_motion),
+                    film.failure.empty() ? "--frames N limits their number; a run cuts the film again" : "take it out, or film again",
+                    {}});
+  worst_first(list);
+}
+
 void run(const InspectConfig& config, StageContext& context) {
-  const PhotoFolder folder = find_photos(context.input("photos"));
+  const TemporaryFolder work("vitrine-films");
+  const PhotosAndFilms all =
+      photos_and_films(context.input("photos"), {.most_frames = size_t(config.frames),
+                                                 .work = work.path(),
+                                                 .progress = [&](double fraction, const std::string& text) {
+                                                   context.progress({.fraction = fraction, .text = text, .values = {}});
+                                                 }});
+  const PhotoFolder& folder = all.folder;
   const size_t n = folder.photos.size();
   const std::vector<PhotoFacts> photos = photo_facts(folder, [&](size_t done) {
     context.progress({.fraction = double(done) / double(n), .text = fmt::format("{} / {} photos", done, n), .values = {}});
@@ -105,6 +123,7 @@ void run(const InspectConfig& config, StageContext& context) {
                  .why = fmt::format("{}: {}", photos[0].name, photos[0].failure),
                  .hint = "give the folder that holds the photos: JPEG, PNG, TIFF, EXR",
                  .code = "NO_PHOTOS"});
+  add_films(all, found.list);
   if (const auto masks = context.optional_input("masks")) {
     const std::vector<Finding> more = mask_findings(*masks, photos);
     found.list.insert(found.list.end(), more.begin(), more.end());
@@ -129,6 +148,7 @@ void run(const InspectConfig& config, StageContext& context) {
 void describe(Describer& d, InspectConfig& c) {
   d.option("soft_ratio", c.soft_ratio, "A photo is called soft when its blur is so many times that of its neighbours.")
       .range(1, 20);
+  d.option("frames", c.frames, "Most frames that become photos, of all films together, as ingest.frames.").range(2, 2000);
 }
 
 Stage inspect_stage() {
@@ -136,7 +156,7 @@ Stage inspect_stage() {
       {.name = "inspect",
        .version = 3,
        .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
-       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw."},
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR, HEIC, AVIF, raw; films in it, or one film."},
                   {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"},
                   {.name = "masks",
                    .artifact = false,

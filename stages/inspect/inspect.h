@@ -10,6 +10,7 @@ namespace vitrine {
 
 struct InspectConfig {
   double soft_ratio = 1.7;
+  int frames = 120;  // as ingest.frames
 };
 void describe(Describer& d, InspectConfig& c);
 

@@ -62,6 +62,11 @@ std::vector<FolderNote> notes_of(const PhotoFolder& folder) {
                      count(unread, "file holds a photo or video in a form that is not read",
                            "files hold photos or video in a form that is not read"),
                      skipped_text(folder), "convert them to JPEG or 16-bit TIFF to use them"});
+  if (!folder.live_photos.empty())
+    notes.push_back({"FILMS_OF_PHOTOS", false,
+                     count(folder.live_photos.size(), "film belongs to a photo of the same name (Live Photo)",
+                           "films belong to photos of the same name (Live Photos)"),
+                     some(folder.live_photos), "left out; give a film by itself to use its frames"});
   for (const PictureRole role : kPictureRoles) {
     std::vector<const BesidePhoto*> files;
     for (const BesidePhoto& file : folder.beside)

@@ -16,7 +16,8 @@ namespace vitrine {
 namespace {
 
 const char* const kExtensions[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"};
-const char* const kPhotoLike[] = {".webp", ".bmp", ".gif", ".jp2", ".jxl", ".hdr", ".mp4", ".mov", ".avi", ".mkv"};
+const char* const kPhotoLike[] = {".webp", ".bmp", ".gif", ".jp2", ".jxl", ".hdr"};
+const char* const kFilms[] = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mts", ".m2ts", ".3gp", ".mpg", ".mpeg"};
 
 template <size_t N>
 bool contains(const char* const (&list)[N], const std::string& word) {
@@ -56,12 +57,31 @@ std::string closed_text(const FolderFiles& listed) {
   return text;
 }
 
+// Marks films that share folder and stem with a photo of any type.
+void mark_live_photos(const std::vector<fs::path>& files, std::vector<FilmFile>& films) {
+  std::set<std::string> photos;  // without extension, in lower case
+  const auto stem = [](const fs::path& file) { return lowered(fs::path(file).replace_extension().generic_string()); };
+  for (const fs::path& file : files) {
+    const std::string extension = lowered(file.extension().string());
+    if (contains(kExtensions, extension) || contains(kPhotoLike, extension)) photos.insert(stem(file));
+  }
+  for (FilmFile& film : films) film.of_photo = photos.contains(stem(film.source));
+}
+
 }  // namespace
 
-PhotoFolder find_photos(const fs::path& folder) {
+bool is_film_name(const fs::path& path) { return contains(kFilms, lowered(path.extension().string())); }
+
+PhotoFolder find_photos(const fs::path& folder, FilmsAre films) {
   std::error_code error;
   if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
   if (!fs::is_directory(folder, error)) {
+    if (is_film_name(folder))
+      throw Error(ErrorKind::Input, "a film cannot be read here",
+                  {.where = folder.string(),
+                   .why = "`vitrine run` and `vitrine inspect` cut films into frames, others read photos",
+                   .hint = "vitrine run FILM -o DIR --to ingest, then give DIR/ingest/ldr",
+                   .code = "PHOTOS_UNREADABLE"});
     const GivenFile file = refusal_of_file(folder);
     throw_unreadable(folder, file.why, file.hint);
   }
@@ -75,9 +95,11 @@ PhotoFolder find_photos(const fs::path& folder) {
       found.photos.push_back({.path = folder / file, .source = file.generic_string(), .name = {}, .stem = {}});
     else
       ++found.skipped[extension];
+    if (contains(kFilms, extension)) found.films.push_back({folder / file, file.generic_string()});
   }
+  mark_live_photos(found.listed.files, found.films);
   found.listed.files.clear();
-  if (found.photos.empty()) {
+  if (found.photos.empty() && (films == FilmsAre::Skipped || found.films.empty())) {
     const std::string others = skipped_text(found);
     throw Error(ErrorKind::Input, "there are no photos in this folder",
                 {.where = folder.string(),
@@ -157,7 +179,7 @@ std::string skipped_text(const PhotoFolder& folder) {
 size_t skipped_photo_like(const PhotoFolder& folder) {
   size_t count = 0;
   for (const auto& [extension, n] : folder.skipped)
-    if (contains(kPhotoLike, extension)) count += n;
+    if (contains(kPhotoLike, extension) || contains(kFilms, extension)) count += n;
   return count;
 }
 

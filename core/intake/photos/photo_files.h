@@ -32,6 +32,12 @@ struct BesidePhoto {
   std::string of;  // the photo's source; empty: all photos in its folder
 };
 
+struct FilmFile {
+  std::filesystem::path path;
+  std::string source;     // below the folder, with '/'
+  bool of_photo = false;  // a photo of the same stem lies next to it, as for Live Photos
+};
+
 // A second set of the same photos, left out because its size is about that of the set used.
 struct SecondSet {
   std::string used, left_out;  // folders
@@ -51,11 +57,18 @@ struct PhotoFolder {
   std::vector<std::string> like_photos;   // named like a mask, ... of another picture, but a photo by content
   std::vector<SecondSet> second_sets;
   std::vector<PhotoVersion> versions;  // sorted by the source of the photo
+  std::vector<FilmFile> films;           // sorted by source; also counted in `skipped` until they are cut into frames
+  std::vector<std::string> live_photos;  // films of photos, left out (core/intake/film/photos_and_films.h)
   FolderFiles listed;  // links, unreadable folders, junk; without its files
 };
 
-// Searches sub-folders and linked folders. Throws Error{Input} when the folder is missing, unreadable or contains no photo.
-PhotoFolder find_photos(const std::filesystem::path& folder);
+enum class FilmsAre { Skipped, Photos };
+// Searches sub-folders and linked folders. Throws Error{Input} when the folder is missing, unreadable or contains no photo; for
+// FilmsAre::Photos a folder of films alone is accepted.
+PhotoFolder find_photos(const std::filesystem::path& folder, FilmsAre films = FilmsAre::Skipped);
+
+// True for the extensions of films that cameras and programs write, in any case: .mp4 .mov .m4v .mkv .webm .avi ...
+bool is_film_name(const std::filesystem::path& path);
 
 // Message to the user about a folder of photos.
 struct FolderNote {
