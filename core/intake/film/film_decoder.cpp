@@ -78,7 +78,8 @@ std::vector<std::string> command_of(const DecodeRequest& r, const fs::path& fifo
   }
   filters += "showinfo=checksum=0,";
   if (r.film.interlaced) filters += "yadif=deint=all,";
-  filters += r.filters + "," + kTurns[r.film.orientation - 1] + "format=" + r.pixel_format;
+  // Frames leave far apart: close times of a variable rate would become equal in the time base of the output and be dropped.
+  filters += r.filters + "," + kTurns[r.film.orientation - 1] + "format=" + r.pixel_format + ",setpts=100*N/TB";
   std::vector<std::string> words{film_program("ffmpeg"), "-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info",
                                  "-noautorotate",        "-y"};
   for (const std::string& w : film_input(r.film.path)) words.push_back(w);

@@ -132,7 +132,8 @@ void take_colors(const Json& stream, FilmInfo& info) {
   info.matrix = info.height <= kStandardDefinition && !p ? "bt601" : info.color.primaries == 9 ? "bt2020" : "bt709";
   for (const Matrix& m : kMatrices)
     if (matrix == m.name) info.matrix = m.of_filter;
-  info.full_range = range == "pc" || info.pixel_format.starts_with("yuvj");
+  const auto stored_as = [&](const char* start) { return info.pixel_format.starts_with(start); };
+  info.full_range = range == "pc" || stored_as("yuvj") || stored_as("gbr") || stored_as("rgb") || stored_as("bgr");
 }
 
 const Json* video_stream(const Json& streams) {
