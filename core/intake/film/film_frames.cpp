@@ -106,7 +106,7 @@ std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vec
   bool same = times.size() == files.size();
   for (size_t i = 0; same && i < times.size(); ++i) same = times[i].pts == files[i].pts;
   if (!same)
-    throw_bad_film(film.path, "two passes over it give different frames" + (damage.empty() ? "" : ": " + damage),
+    throw_bad_film(film.path, fmt::format("two passes over it give different frames ({} of {})", times.size(), files.size()) + (damage.empty() ? "" : ": " + damage),
                    "is the file being written? Else export it as H.264 in MP4");
   return out;
 }

@@ -16,6 +16,7 @@ constexpr size_t kNeighbours = 5;  // chosen frames on either side
 void choose_from(const std::vector<TrackedFrame>& frames, size_t film, double gap, std::vector<ChosenFrame>& out) {
   for (size_t i = 0; i < frames.size();) {
     const double end = frames[i].motion + gap;
+    if (i > 0 && frames.back().motion < end) break;  // too short to hold a sharp frame for sure
     size_t best = i;
     for (size_t k = i; k < frames.size() && frames[k].motion < end; ++k)
       if (frames[k].sharpness > frames[best].sharpness) best = k;

@@ -137,7 +137,7 @@ TEST_F(Films, RotationIsAppliedOnce) {
   const std::string flat_film = at("flat.mp4").string(), turned_film = at("turned.mp4").string();
   std::vector<std::string> words{"ffmpeg", "-v", "error", "-y", "-display_rotation", "270", "-i", flat_film, "-c", "copy", turned_film};
   if (!run_process({.arguments = words}).ok())
-    ffmpeg({"-i", flat_film, "-c", "copy", "-metadata:s:v", "rotate=90", turned_film});
+    ffmpeg({"-i", flat_film, "-c", "copy", "-metadata:s:v", "rotate=270", turned_film});
   ASSERT_EQ(read_film_info(turned_film).orientation, 6);
   const PhotosAndFilms flat = cut(flat_film);
   std::map<int64_t, Image8> upright;
