@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
-#include <mutex>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -32,16 +32,12 @@ constexpr const char* kTurns[] = {
 // Reading end of a FIFO that another process opens by its path.
 class Fifo {
  public:
-  explicit Fifo(const fs::path& path) : path_(path) {
+  explicit Fifo(const fs::path& path) {
     if (mkfifo(path.c_str(), 0600) != 0) throw_write_error(path, errno);
     fd_ = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (fd_ < 0) throw_write_error(path, errno);
   }
-  ~Fifo() {
-    close(fd_);
-    std::error_code ec;
-    fs::remove(path_, ec);
-  }
+  ~Fifo() { close(fd_); }
   Fifo(const Fifo&) = delete;
   Fifo& operator=(const Fifo&) = delete;
 
@@ -65,19 +61,17 @@ class Fifo {
   }
 
  private:
-  fs::path path_;
   int fd_ = -1;
 };
 
 std::vector<std::string> command_of(const DecodeRequest& r, const fs::path& fifo) {
-  std::string filters;
-  if (!r.only.empty()) {
-    filters = "select='";
-    for (size_t i = 0; i < r.only.size(); ++i) filters += fmt::format("{}eq(pts,{})", i > 0 ? "+" : "", r.only[i]);
-    filters += "',";
-  }
+  std::string filters = r.film.interlaced ? "yadif=deint=all," : "";  // first: it needs the neighbours of a frame
+  // Damaged films, and films with times that were rounded, have frames without a time or with that of an earlier one. Without
+  // them a time names one frame, in any pass.
+  filters += "select='not(isnan(pts)+lte(pts,prev_selected_pts))";
+  for (size_t i = 0; i < r.only.size(); ++i) filters += fmt::format("{}eq(pts,{})", i > 0 ? "+" : "*(", r.only[i]);
+  filters += r.only.empty() ? "'," : ")',";
   filters += "showinfo=checksum=0,";
-  if (r.film.interlaced) filters += "yadif=deint=all,";
   // Frames leave far apart: close times of a variable rate would become equal in the time base of the output and be dropped.
   filters += r.filters + "," + kTurns[r.film.orientation - 1] + "format=" + r.pixel_format + ",setpts=100*N/TB";
   std::vector<std::string> words{film_program("ffmpeg"), "-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info",
@@ -96,6 +90,7 @@ struct Child {
   std::exception_ptr failure;
   ProcessResult result;
   std::vector<FrameTime> times;
+  TimeBase base;
   std::string complaint;
 
   void start(std::vector<std::string> words) {
@@ -109,9 +104,9 @@ struct Child {
     });
   }
   void take(std::string_view line) {
-    FrameTime time;
-    if (times.size() < kMostFrames && parse_frame_time(line, time)) {
-      times.push_back(time);
+    if (parse_time_base(line, base)) return;
+    if (const auto pts = parse_frame_time(line)) {
+      if (times.size() < kMostFrames) times.push_back({*pts, base.seconds(*pts)});
       return;
     }
     for (const std::string_view level : {"[error] ", "[fatal] "})
@@ -124,25 +119,45 @@ struct Child {
 
 }  // namespace
 
-bool parse_frame_time(std::string_view line, FrameTime& time) {
-  if (line.find("showinfo") == line.npos) return false;
-  const auto field = [&](std::string_view key, auto& value) {
-    const size_t at = line.find(key);
-    if (at == line.npos) return false;
-    std::string_view rest = line.substr(at + key.size());
-    while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
-    return std::from_chars(rest.data(), rest.data() + rest.size(), value).ec == std::errc();
-  };
-  return field(" pts:", time.pts) && field(" pts_time:", time.seconds) && std::isfinite(time.seconds);
+namespace {
+
+// The integer after `key` in a line of showinfo; `rest` is what follows it.
+std::optional<int64_t> number_after(std::string_view line, std::string_view key, std::string_view& rest) {
+  const size_t at = line.find("showinfo") == line.npos ? line.npos : line.find(key);
+  if (at == line.npos) return std::nullopt;
+  rest = line.substr(at + key.size());
+  while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
+  int64_t value = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+  if (error != std::errc()) return std::nullopt;
+  rest.remove_prefix(size_t(end - rest.data()));
+  return value;
+}
+
+}  // namespace
+
+std::optional<int64_t> parse_frame_time(std::string_view line) {
+  std::string_view rest;
+  const auto pts = number_after(line, " pts:", rest);
+  return pts && rest.starts_with(' ') ? pts : std::nullopt;
+}
+
+bool parse_time_base(std::string_view line, TimeBase& base) {
+  std::string_view rest;
+  const auto over = number_after(line, " config in time_base:", rest);
+  if (!over || *over <= 0 || !rest.starts_with('/')) return false;
+  rest.remove_prefix(1);
+  int64_t under = 0;
+  if (std::from_chars(rest.data(), rest.data() + rest.size(), under).ec != std::errc() || under <= 0) return false;
+  base = {*over, under};
+  return true;
 }
 
 std::vector<FrameTime> decode_frames(const DecodeRequest& request,
                                      const std::function<void(size_t, std::span<const uint8_t>)>& on_frame,
                                      std::string& warnings) {
-  make_folders(request.work);
-  const fs::path path = request.work / "frames.fifo";
-  std::error_code ec;
-  fs::remove(path, ec);  // of a run that was killed
+  const TemporaryFolder folder("vitrine-film");  // not that of the output: some network drives have no FIFOs
+  const fs::path path = folder.path() / "frames.fifo";
   const std::vector<std::string> words = command_of(request, path);
   size_t count = 0;
   Child child;

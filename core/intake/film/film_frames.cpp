@@ -69,7 +69,7 @@ std::string with_cicp(const std::string& png, const Cicp& color) {
   return out.insert(kAfterHeader, chunk);
 }
 
-std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vector<FrameFile>& files, const fs::path& work,
+std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vector<FrameFile>& files,
                                             const std::function<void(size_t)>& progress) {
   const ColorProfilePtr profile = cicp_profile(film.color);
   VITRINE_CHECK(profile != nullptr, "no profile for the colours {} {}", film.color.primaries, film.color.transfer);
@@ -81,8 +81,7 @@ std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vec
                                                film.width, film.height, film.matrix, film.full_range ? "full" : "limited"),
                         .pixel_format = film.deep ? "rgb48le" : "rgb24",
                         .frame_bytes = size_t(width) * size_t(height) * (film.deep ? 6 : 3),
-                        .only = {},
-                        .work = work};
+                        .only = {}};
   for (const FrameFile& f : files) request.only.push_back(f.pts);
   std::vector<WrittenFrame> out(files.size());
   std::vector<RawFrame> batch;
@@ -106,7 +105,9 @@ std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vec
   bool same = times.size() == files.size();
   for (size_t i = 0; same && i < times.size(); ++i) same = times[i].pts == files[i].pts;
   if (!same)
-    throw_bad_film(film.path, fmt::format("two passes over it give different frames ({} of {})", times.size(), files.size()) + (damage.empty() ? "" : ": " + damage),
+    throw_bad_film(film.path,
+                   fmt::format("two passes over it give different frames ({} of {}){}{}", times.size(), files.size(),
+                               damage.empty() ? "" : ": ", damage),
                    "is the file being written? Else export it as H.264 in MP4");
   return out;
 }

@@ -25,7 +25,7 @@ struct WrittenFrame {
 
 // Decodes the film once, up to the last frame of `files`, which are in order of time. `progress` receives the number of frames.
 std::vector<WrittenFrame> write_film_frames(const FilmInfo& film, const std::vector<FrameFile>& files,
-                                            const std::filesystem::path& work, const std::function<void(size_t)>& progress);
+                                            const std::function<void(size_t)>& progress);
 
 // `png` with a cICP chunk for RGB samples of full range. Throws Error{Internal} if it is no PNG.
 std::string with_cicp(const std::string& png, const Cicp& color);

@@ -151,8 +151,7 @@ TrackedFrame FilmTracker::next(std::span<const uint8_t> grey) {
   return {{}, sharpness_of(grey, size_), side > 0 ? farthest_ / side : 0};
 }
 
-std::vector<TrackedFrame> track_film(const FilmInfo& film, const std::filesystem::path& work,
-                                     const std::function<void(double)>& progress, std::string& warnings) {
+std::vector<TrackedFrame> track_film(const FilmInfo& film, const std::function<void(double)>& progress, std::string& warnings) {
   const GreySize stored = grey_size(film.width, film.height);
   const GreySize size = film.orientation >= 5 ? GreySize{stored.height, stored.width} : stored;
   FilmTracker tracker(size);
@@ -162,8 +161,7 @@ std::vector<TrackedFrame> track_film(const FilmInfo& film, const std::filesystem
        .filters = fmt::format("scale={}:{}:flags=area+accurate_rnd+bitexact", stored.width, stored.height),
        .pixel_format = "gray",
        .frame_bytes = size_t(size.width) * size_t(size.height),
-       .only = {},
-       .work = work},
+       .only = {}},
       [&](size_t n, std::span<const uint8_t> grey) {
         frames.push_back(tracker.next(grey));
         constexpr double kUsualRate = 30;

@@ -51,7 +51,6 @@ class FilmTracker {
 double sharpness_of(std::span<const uint8_t> grey, GreySize size);
 
 // Decodes the film once. Throws as decode_frames.
-std::vector<TrackedFrame> track_film(const FilmInfo& film, const std::filesystem::path& work,
-                                     const std::function<void(double)>& progress, std::string& warnings);
+std::vector<TrackedFrame> track_film(const FilmInfo& film, const std::function<void(double)>& progress, std::string& warnings);
 
 }  // namespace vitrine

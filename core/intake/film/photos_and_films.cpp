@@ -28,11 +28,19 @@ struct Film {
 // "4.1 s", "61 s".
 std::string seconds_text(double s) { return fmt::format("{:.1f} s", s); }
 
-// Path of a frame below the given folder: folder and stem of the film, and the time in milliseconds with leading zeros.
-std::string frame_source(const std::string& film, double seconds, int digits) {
-  const auto ms = std::llround(std::max(seconds, 0.0) * 1000);
-  return fmt::format("{}_{:0{}}.png", fs::path(film).replace_extension().generic_string(), ms, digits);
+// Start of the paths of its frames below the given folder: folder and stem of the film, with its extension where the stem is
+// that of another film, or photos are numbered with it.
+std::string frame_stem(const std::string& film, const PhotoFolder& folder) {
+  const auto stem = [](const std::string& source) { return fs::path(source).replace_extension().generic_string(); };
+  const std::string own = stem(film);
+  for (const FilmFile& other : folder.films)
+    if (other.source != film && stem(other.source) == own) return film;
+  for (const PhotoFile& photo : folder.photos)
+    if (photo.source.starts_with(own + "_")) return film;
+  return own;
 }
+
+int64_t milliseconds(const TrackedFrame& frame) { return std::llround(std::max(frame.time.seconds, 0.0) * 1000); }
 
 PhotoFolder found_folder(const fs::path& given) {
   std::error_code ec;
@@ -95,7 +103,7 @@ void write_frames(const FilmFile& file, size_t f, const Film& film, const CutReq
     if (frame.film == f)
       files.push_back({frame.time.pts, request.work / "frames" / std::to_string(f) / fs::path(frame.source).filename()});
   make_folders(files.front().path.parent_path());
-  const std::vector<WrittenFrame> written = write_film_frames(film.info, files, request.work, [&](size_t done) {
+  const std::vector<WrittenFrame> written = write_film_frames(film.info, files, [&](size_t done) {
     const double share = double(done) / double(files.size());
     request.progress(0.5 + 0.5 * (double(f) + share) / double(films),
                      fmt::format("{}: {} / {} frames written", file.source, done, files.size()));
@@ -195,7 +203,7 @@ class Cutter {
     films_[f].info = read_film_info(files_[f].path);
     std::string damage;
     films_[f].track = track_film(
-        films_[f].info, request_.work,
+        films_[f].info,
         [&](double share) {
           request_.progress(0.5 * (double(f) + share) / double(files_.size()), fmt::format("watching {}", files_[f].source));
         },
@@ -204,26 +212,32 @@ class Cutter {
   }
   void choose() {
     std::vector<std::vector<TrackedFrame>> tracks;
-    double longest = 0;
-    for (const Film& film : films_) {
-      tracks.push_back(film.track);
-      if (!film.track.empty()) longest = std::max(longest, film.track.back().time.seconds);
-    }
+    for (const Film& film : films_) tracks.push_back(film.track);
     const FrameChoice choice = choose_frames(tracks, request_.most_frames);
     all_.least_motion = choice.least_motion;
-    const int digits = std::max(int(std::to_string(std::llround(longest * 1000)).size()), 6);
     for (const ChosenFrame& c : choice.frames) ++all_.films[c.film].chosen;
-    for (size_t f = 0; f < files_.size(); ++f)
+    for (size_t f = 0; f < files_.size(); ++f) {
       if (all_.films[f].failure.empty() && all_.films[f].chosen < kLeastFrames) fail(f, stands_still(files_[f], films_[f]));
-    for (const ChosenFrame& c : choice.frames) {
-      const TrackedFrame& t = tracks[c.film][c.frame];
-      if (all_.films[c.film].failure.empty())
-        all_.frames.push_back(
-            {frame_source(files_[c.film].source, t.time.seconds, digits), c.film, t.time, t.sharpness, t.motion, {}, {}});
-    }
-    for (size_t f = 0; f < files_.size(); ++f)
-      if (choice.soft.size() > f && choice.soft[f] > 0)
+      if (choice.soft[f] > 0)
         all_.films[f].notes.push_back(fmt::format("{} parts have blurred frames only and are left out", choice.soft[f]));
+    }
+    name_frames(choice, tracks);
+  }
+  void name_frames(const FrameChoice& choice, const std::vector<std::vector<TrackedFrame>>& tracks) {
+    int64_t longest = 0;
+    for (const std::vector<TrackedFrame>& track : tracks)
+      if (!track.empty()) longest = std::max(longest, milliseconds(track.back()));
+    const int digits = std::max(int(std::to_string(longest).size()), 6);
+    for (const ChosenFrame& c : choice.frames) {
+      if (!all_.films[c.film].failure.empty()) continue;
+      const TrackedFrame& t = tracks[c.film][c.frame];
+      const std::string name =
+          fmt::format("{}_{:0{}}.png", frame_stem(files_[c.film].source, all_.folder), milliseconds(t), digits);
+      if (!all_.frames.empty() && all_.frames.back().source == name)
+        --all_.films[c.film].chosen;  // in one millisecond
+      else
+        all_.frames.push_back({name, c.film, t.time, t.sharpness, t.motion, {}, {}});
+    }
   }
 
   const std::vector<FilmFile>& files_;
