@@ -165,19 +165,12 @@ std::vector<FrameTime> decode_frames(const DecodeRequest& request,
     const Fifo fifo(path);
     child.start(words);
     std::vector<uint8_t> frame(request.frame_bytes);
-    std::exception_ptr failure;
-    while (fifo.read_all(frame.data(), frame.size(), child.ended) == frame.size() && count < kMostFrames) {
-      if (failure != nullptr) continue;  // reads to the end, so that ffmpeg ends
-      try {
-        throw_if_interrupted();
-        on_frame(count++, frame);
-      } catch (...) {
-        failure = std::current_exception();
-      }
+    while (count < kMostFrames && fifo.read_all(frame.data(), frame.size(), child.ended) == frame.size()) {
+      throw_if_interrupted();
+      on_frame(count++, frame);
     }
-    child.thread.join();
-    if (failure != nullptr) std::rethrow_exception(failure);
-  }
+  }  // the FIFO is closed: ffmpeg, which has opened it, ends if it still writes
+  child.thread.join();
   if (child.failure != nullptr) std::rethrow_exception(child.failure);
   throw_if_interrupted();
   count = std::min(count, child.times.size());

@@ -153,17 +153,6 @@ std::string streams_text(const Json& streams) {
   return text.empty() ? "no stream" : "only " + text;
 }
 
-// The last error line of ffprobe without the address of its source: "moov atom not found".
-std::string refusal_of(const fs::path& film) {
-  std::string reason;
-  std::vector<std::string> words{film_program("ffprobe"), "-v", "error"};
-  for (const std::string& w : film_input(film)) words.push_back(w);
-  run_process({.arguments = words, .on_line = [&](std::string_view line) {
-                 if (line.starts_with("[") && line.find("] ") != line.npos) reason = line.substr(line.find("] ") + 2);
-               }});
-  return reason;
-}
-
 }  // namespace
 
 std::vector<std::string> film_input(const fs::path& film) {
@@ -224,13 +213,16 @@ FilmInfo read_film_info(const fs::path& film) {
     throw_bad_film(film, ec ? ec.message() : std::string("it is empty (0 bytes)"), "copy it from the camera again");
   const TemporaryFolder folder("vitrine-film");
   const fs::path answer = folder.path() / "film.json";
-  std::vector<std::string> words{film_program("ffprobe"), "-v", "quiet", "-of", "json", "-show_format", "-show_streams"};
+  std::vector<std::string> words{film_program("ffprobe"), "-v", "error", "-of", "json", "-show_format", "-show_streams"};
   for (const std::string& w : film_input(film)) words.push_back(w);
   words.insert(words.end(), {"-o", answer.string()});
-  const ProcessResult r = run_process({.arguments = words});
+  std::string reason;  // the last error without the address of its source: "moov atom not found"
+  const ProcessResult r = run_process({.arguments = words, .on_line = [&](std::string_view line) {
+                                         if (line.starts_with("[") && line.find("] ") != line.npos)
+                                           reason = line.substr(line.find("] ") + 2);
+                                       }});
   throw_if_interrupted();
   if (!r.ok()) {
-    const std::string reason = refusal_of(film);
     if (reason.find("moov atom not found") != reason.npos)
       throw_bad_film(film, "it is truncated or no film (moov atom not found)", "copy it from the camera again, completely");
     throw_bad_film(film, "ffprobe cannot open it" + (reason.empty() ? "" : ": " + reason), "is it a film, and complete?");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -18,29 +19,42 @@
 namespace vitrine {
 namespace {
 
-constexpr int kWidth = 192, kHeight = 144, kFrames = 60, kStep = 1;  // pixels per frame
+constexpr int kWidth = 160, kHeight = 120, kFrames = 40, kStep = 1;  // pixels per frame
 
 // A wall of patches.
-ImageF wall() {
+Image8 wall() {
   Rng rng(7);
   const int w = kWidth + kStep * kFrames, h = kHeight;
-  ImageF patches(w / 6, h / 6, 3);
+  ImageF patches(w / 5, h / 5, 3);
   for (float& v : patches.data()) v = 40 + float(rng.below(180));
-  return resized(patches, w, h);
+  const ImageF large = resized(patches, w, h);
+  Image8 out(w, h, 3);
+  for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = uint8_t(large.data()[i] + 0.5f);
+  return out;
 }
 
-// The view at `offset`, smeared over `smear` pixels (odd) across and down, around each pixel.
-Image8 view(const ImageF& from, int offset, int smear = 1) {
+// The mean of `smear` pixels (odd) across and down, around each pixel.
+Image8 smeared(const Image8& from, int smear) {
+  Image8 image(from.width(), from.height(), 3);
+  const int r = smear / 2;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x)
+      for (int c = 0; c < 3; ++c) {
+        int sum = 0;
+        for (int v = -r; v <= r; ++v)
+          for (int u = -r; u <= r; ++u)
+            sum += from.at(std::clamp(x + u, 0, image.width() - 1), std::clamp(y + v, 0, image.height() - 1), c);
+        image.at(x, y, c) = uint8_t(sum / (smear * smear));
+      }
+  return image;
+}
+
+// The view at `offset`.
+Image8 view(const Image8& from, int offset) {
   Image8 image(kWidth, kHeight, 3);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      for (int c = 0; c < 3; ++c) {
-        float sum = 0;
-        for (int v = -(smear / 2); v <= smear / 2; ++v)
-          for (int u = -(smear / 2); u <= smear / 2; ++u)
-            sum += from.at(std::clamp(offset + x + u, 0, from.width() - 1), std::clamp(y + v, 0, kHeight - 1), c);
-        image.at(x, y, c) = uint8_t(sum / float(smear * smear) + 0.5f);
-      }
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = from.at(std::min(offset + x, from.width() - 1), y, c);
   return image;
 }
 
@@ -55,75 +69,84 @@ Image8 samples_of(const fs::path& frame) {
 
 class Films : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!find_program("ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  // Films that several tests use: sharp ones are a third of the frames of `pan.mkv`, all of `flat.mp4`.
+  static void SetUpTestSuite() {
+    if (!find_program("ffmpeg")) return;
+    shared_ = std::make_unique<TemporaryFolder>();
+    pan(shared("pan.mkv"), kStep, "null", kLossless, [](int i) { return i % 3 != 1; });
+    pan(shared("flat.mp4"), kStep, "format=yuv444p", {"-c:v", "libx264", "-qp", "0"});
   }
+  static void TearDownTestSuite() { shared_.reset(); }
+  void SetUp() override {
+    if (!shared_) GTEST_SKIP() << "no ffmpeg";
+  }
+  static fs::path shared(const std::string& name) { return shared_->path() / name; }
   fs::path at(const std::string& name) const { return folder.path() / name; }
-  void ffmpeg(std::vector<std::string> words) const {
+  static void ffmpeg(std::vector<std::string> words) {
     words.insert(words.begin(), {"ffmpeg", "-nostdin", "-v", "error", "-y"});
     const ProcessResult r = run_process({.arguments = words});
     ASSERT_TRUE(r.ok()) << r.tail;
   }
   // A camera that moves by `step` pixels per frame; frames for which `blurred` is true are smeared.
-  void pan(const std::string& name, int step, const std::function<bool(int)>& blurred, const std::string& filter = "null",
-           std::vector<std::string> codec = {"-c:v", "libx264rgb", "-qp", "0"}, int smear = 9) const {
-    const ImageF from = wall();
-    const fs::path frames = at("made");
-    make_folders(frames);
-    for (int i = 0; i < kFrames; ++i)
-      write_ldr(frames / fmt::format("f{:03}.png", i), view(from, step * i, blurred(i) ? smear : 1));
-    std::vector<std::string> words{"-framerate", "25",   "-i",        (frames / "f%03d.png").string(),
-                                   "-vf",        filter, "-fps_mode", "passthrough"};
+  static void pan(
+      const fs::path& film, int step, const std::string& filter = "null", const std::vector<std::string>& codec = kLossless,
+      const std::function<bool(int)>& blurred = [](int) { return false; }) {
+    const Image8 sharp = wall(), soft = smeared(sharp, 9);
+    std::string pixels;
+    for (int i = 0; i < kFrames; ++i) {
+      const Image8 frame = view(blurred(i) ? soft : sharp, step * i);
+      pixels.append(reinterpret_cast<const char*>(frame.data().data()), frame.data().size());
+    }
+    const TemporaryFolder made;
+    const fs::path raw = made.path() / "made.rgb";
+    write_file(raw, pixels);
+    std::vector<std::string> words{"-f", "rawvideo", "-pixel_format", "rgb24", "-video_size"};
+    words.insert(words.end(), {fmt::format("{}x{}", kWidth, kHeight), "-framerate", "25", "-i", raw.string(), "-vf", filter});
+    words.insert(words.end(), {"-fps_mode", "passthrough", "-preset", "ultrafast"});
     words.insert(words.end(), codec.begin(), codec.end());
-    words.push_back(at(name).string());
+    words.push_back(film.string());
     ffmpeg(words);
   }
-  PhotosAndFilms cut(const fs::path& given, size_t most = 120) const {
-    return photos_and_films(given, {.most_frames = most, .work = at("work"), .progress = [](double, const std::string&) {}});
+  PhotosAndFilms cut(const fs::path& given, size_t most = 120, const std::string& work = "work") const {
+    return photos_and_films(given, {.most_frames = most, .work = at(work), .progress = [](double, const std::string&) {}});
   }
-  Error error(const std::string& name) const {
-    return error_of([&] { cut(at(name)); });
+  Error error(const fs::path& film) const {
+    return error_of([&] { cut(film); });
   }
 
+  static const inline std::vector<std::string> kLossless{"-c:v", "libx264rgb", "-qp", "0"};
+  static inline std::unique_ptr<TemporaryFolder> shared_;
   TemporaryFolder folder;
 };
-
-bool never(int) { return false; }
-bool two_of_three(int i) { return i % 3 != 1; }
 
 // Number of the made frame at a time, at 25 Hz.
 int number_of(const FilmFrameReport& f) { return int(std::lround(f.time.seconds * 25)); }
 
 TEST_F(Films, BlurredFramesAreAvoidedAndPixelsAreThoseOfTheTimes) {
-  pan("a film's ünusual [name]: %d.mkv", kStep, two_of_three);
-  const PhotosAndFilms all = cut(at("a film's ünusual [name]: %d.mkv"));
-  ASSERT_GE(all.frames.size(), 6u);
+  const fs::path film = at("a film's ünusual [name]: %d.mkv");
+  fs::copy_file(shared("pan.mkv"), film);
+  const PhotosAndFilms all = cut(film);
+  EXPECT_EQ(all.least_motion, 0.03);
+  ASSERT_GE(all.frames.size(), 5u);
   ASSERT_EQ(all.folder.photos.size(), all.frames.size());
-  const ImageF from = wall();
+  const Image8 from = wall();
   for (size_t i = 0; i < all.frames.size(); ++i) {
     const int n = number_of(all.frames[i]);
-    EXPECT_FALSE(two_of_three(n)) << n;
+    EXPECT_EQ(n % 3, 1) << n;
     EXPECT_EQ(all.folder.photos[i].source, all.frames[i].source);
     EXPECT_TRUE(std::ranges::equal(samples_of(all.folder.photos[i].path).data(), view(from, kStep * n).data())) << n;
     EXPECT_EQ(all.camera_of(all.frames[i].source), all.camera_of(all.frames[0].source));
-    if (i > 0) EXPECT_GE(all.frames[i].motion - all.frames[i - 1].motion, all.least_motion - 1e-9);
+    if (i > 0) {
+      EXPECT_GE(all.frames[i].motion - all.frames[i - 1].motion, all.least_motion - 1e-9);
+    }
   }
 }
 
-TEST_F(Films, FramesAreLimitedAndKeepTheirDistance) {
-  pan("pan.mkv", kStep, never);
-  const PhotosAndFilms all = cut(at("pan.mkv"), 4);
-  EXPECT_LE(all.frames.size(), 4u);
-  EXPECT_GE(all.frames.size(), 3u);
-  EXPECT_GT(all.least_motion, 0.03);
-  EXPECT_GT(number_of(all.frames.back()), kFrames / 2);
-}
-
 TEST_F(Films, VariableFrameRateKeepsTimesAndFrames) {
-  pan("variable.mkv", kStep, two_of_three, "setpts='round((N+floor(N/7)*11)/25/TB)'");
+  pan(at("variable.mkv"), kStep, "setpts='round((N+floor(N/7)*11)/25/TB)'");
   const PhotosAndFilms all = cut(at("variable.mkv"));
-  ASSERT_GE(all.frames.size(), 6u);
-  const ImageF from = wall();
+  ASSERT_GE(all.frames.size(), 5u);
+  const Image8 from = wall();
   for (size_t i = 0; i < all.frames.size(); ++i) {
     int n = 0;
     while (n + 1 < kFrames && n + n / 7 * 11 < number_of(all.frames[i])) ++n;
@@ -132,14 +155,29 @@ TEST_F(Films, VariableFrameRateKeepsTimesAndFrames) {
   }
 }
 
+TEST_F(Films, OfFramesWithOneTimeTheFirstIsUsed) {
+  pan(at("doubled.mkv"), kStep, "setpts=2*floor(N/2)");
+  const PhotosAndFilms all = cut(at("doubled.mkv"));
+  EXPECT_EQ(all.films[0].frames, size_t(kFrames / 2));
+  ASSERT_GE(all.frames.size(), 4u);
+  const Image8 from = wall();
+  for (size_t i = 0; i < all.frames.size(); ++i) {
+    const int n = number_of(all.frames[i]);
+    EXPECT_EQ(n % 2, 0) << n;  // the first of two
+    EXPECT_TRUE(std::ranges::equal(samples_of(all.folder.photos[i].path).data(), view(from, kStep * n).data())) << n;
+  }
+}
+
 TEST_F(Films, RotationIsAppliedOnce) {
-  pan("flat.mp4", kStep, never, "format=yuv444p", {"-c:v", "libx264", "-qp", "0"});
-  // Two spellings of a quarter turn clockwise, of old and new versions of ffmpeg.
-  const std::string flat_film = at("flat.mp4").string(), turned_film = at("turned.mp4").string();
-  std::vector<std::string> words{"ffmpeg", "-v",      "error", "-y",   "-display_rotation", "270",
-                                 "-i",     flat_film, "-c",    "copy", turned_film};
-  if (!run_process({.arguments = words}).ok())
-    ffmpeg({"-i", flat_film, "-c", "copy", "-metadata:s:v", "rotate=270", turned_film});
+  const fs::path flat_film = shared("flat.mp4"), turned_film = at("turned.mp4");
+  std::string bytes = read_file(flat_film);
+  const size_t track = bytes.find("tkhd");
+  ASSERT_NE(track, bytes.npos);
+  constexpr size_t kMatrix = 44;  // of version 0, after the type (ISO/IEC 14496-12, 8.3.2)
+  constexpr uint8_t kQuarterTurn[] = {0,    0,    0, 0, 0, 1, 0, 0, 0, 0, 0, 0,   // clockwise: 0 1 0
+                                      0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // -1 0 0
+  std::copy(std::begin(kQuarterTurn), std::end(kQuarterTurn), bytes.begin() + long(track + kMatrix));
+  write_file(turned_film, bytes);
   ASSERT_EQ(read_film_info(turned_film).orientation, 6);
   const PhotosAndFilms flat = cut(flat_film);
   std::map<int64_t, Image8> upright;
@@ -160,12 +198,11 @@ TEST_F(Films, RotationIsAppliedOnce) {
 }
 
 TEST_F(Films, SameBytesForAnyNumberOfThreads) {
-  pan("pan.mkv", kStep, two_of_three);
   std::vector<std::string> bytes[2];
   const int before = thread_limit();
   for (int k = 0; k < 2; ++k) {
     set_thread_limit(k == 0 ? 1 : 3);
-    const PhotosAndFilms all = cut(at("pan.mkv"));
+    const PhotosAndFilms all = cut(shared("pan.mkv"));
     for (const PhotoFile& p : all.folder.photos) bytes[k].push_back(p.source + read_file(p.path));
     write_film_report(at("out" + std::to_string(k)), all);
     for (const char* name : {"ingest/films.json", "ingest/films.jpg"})
@@ -176,34 +213,73 @@ TEST_F(Films, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(Films, UnusableFilmsAreRefusedByTheirReason) {
-  pan("still.mkv", 0, never);
-  EXPECT_EQ(error("still.mkv").detail().code, "FILM_STANDS_STILL");
-  pan(
-      "soft.mkv", kStep, [](int) { return true; }, "null", {"-c:v", "libx264rgb", "-qp", "0"}, 15);
-  EXPECT_EQ(error("soft.mkv").detail().code, "FILM_BLURRED");
+  pan(at("still.mkv"), 0);
+  EXPECT_EQ(error(at("still.mkv")).detail().code, "FILM_STANDS_STILL");
+  pan(at("soft.mkv"), kStep, "gblur=sigma=8");
+  EXPECT_EQ(error(at("soft.mkv")).detail().code, "FILM_BLURRED");
   write_file(at("empty.mp4"), "");
-  EXPECT_NE(error("empty.mp4").detail().why.find("0 bytes"), std::string::npos);
+  EXPECT_NE(error(at("empty.mp4")).detail().why.find("0 bytes"), std::string::npos);
   write_file(at("text.mp4"), "this is no film\n");
-  EXPECT_EQ(error("text.mp4").detail().code, "BAD_FILM");
+  EXPECT_EQ(error(at("text.mp4")).detail().code, "BAD_FILM");
   ffmpeg({"-f", "lavfi", "-i", "sine=duration=1", at("sound.mp4").string()});
-  EXPECT_NE(error("sound.mp4").detail().why.find("no video stream"), std::string::npos);
-  pan("whole.mp4", kStep, never, "format=yuv420p", {"-c:v", "libx264"});
-  const std::string bytes = read_file(at("whole.mp4"));
+  EXPECT_NE(error(at("sound.mp4")).detail().why.find("no video stream"), std::string::npos);
+  const std::string bytes = read_file(shared("flat.mp4"));
   write_file(at("cut.mp4"), bytes.substr(0, bytes.size() / 2));
-  EXPECT_NE(error("cut.mp4").detail().why.find("truncated"), std::string::npos);
-  write_file(at("list.mp4"), "#EXTM3U\n#EXTINF:1,\n" + at("whole.mp4").string() + "\n");
-  EXPECT_EQ(error("list.mp4").detail().code, "BAD_FILM");
+  EXPECT_NE(error(at("cut.mp4")).detail().why.find("truncated"), std::string::npos);
+  write_file(at("list.mp4"), "#EXTM3U\n#EXTINF:1,\n" + shared("flat.mp4").string() + "\n");
+  EXPECT_EQ(error(at("list.mp4")).detail().code, "BAD_FILM");
 }
 
 TEST_F(Films, FilmOfAPhotoIsLeftOut) {
   make_folders(at("set"));
-  pan("set/IMG_1.MOV", kStep, never, "format=yuv420p", {"-c:v", "libx264"});
+  fs::copy_file(shared("flat.mp4"), at("set/IMG_1.MOV"));
   write_ldr(at("set/img_1.jpg"), view(wall(), 0));
   const PhotosAndFilms all = cut(at("set"));
   EXPECT_TRUE(all.films.empty());
   EXPECT_EQ(all.folder.live_photos, std::vector<std::string>{"IMG_1.MOV"});
   EXPECT_EQ(all.folder.photos.size(), 1u);
   EXPECT_EQ(notes_of(all.folder).front().code, "FILMS_OF_PHOTOS");
+}
+
+// A film of 1000 frames, each `motion` after the one before; every fifth is sharp.
+std::vector<TrackedFrame> steady_track(double motion) {
+  std::vector<TrackedFrame> track;
+  for (int i = 0; i < 1000; ++i) track.push_back({{i, i / 25.0}, i % 5 == 2 ? 1.0 : 0.9, motion * i});
+  return track;
+}
+
+TEST(ChoiceOfFrames, KeepsADistanceAndSharesALimitAmongFilms) {
+  const std::vector<std::vector<TrackedFrame>> films{steady_track(0.001), steady_track(0.003)};
+  const auto count = [](const FrameChoice& choice, size_t film) {
+    return std::ranges::count(choice.frames, film, &ChosenFrame::film);
+  };
+  const FrameChoice all = choose_frames(films, 1000), few = choose_frames(films, 60);
+  EXPECT_EQ(all.least_motion, 0.03);
+  EXPECT_LE(few.frames.size(), 60u);
+  EXPECT_GE(few.frames.size(), 54u);
+  EXPECT_NEAR(double(count(few, 1)) / double(count(few, 0)), 3, 0.5);  // its camera moves three times as far
+  for (const FrameChoice* choice : {&all, &few})
+    for (size_t i = 0; i + 1 < choice->frames.size(); ++i) {
+      const ChosenFrame &a = choice->frames[i], &b = choice->frames[i + 1];
+      if (a.film != b.film) continue;
+      EXPECT_GE(films[b.film][b.frame].motion - films[a.film][a.frame].motion, choice->least_motion - 1e-9);
+    }
+  for (const ChosenFrame& c : few.frames) EXPECT_EQ(c.frame % 5, 2u) << c.frame;
+}
+
+TEST(FilmTimes, AreIntegersInTheirBase) {
+  const char* line = "[Parsed_showinfo_1 @ 0x55] [info] n:   7 pts:-9007199254740993 pts_time:-7e+11 pos: 5 fmt:yuv420p";
+  EXPECT_EQ(parse_frame_time(line), -9007199254740993);
+  for (const char* bad : {"", "n: 0 pts: 5 pts_time:1", "[showinfo] n: 0 pts: NOPTS pts_time:NOPTS", "[showinfo] n: 0 pts: 5",
+                          "[showinfo] n: 0 pts: 99999999999999999999 pts_time:1"})
+    EXPECT_FALSE(parse_frame_time(bad)) << bad;
+  TimeBase base;
+  ASSERT_TRUE(parse_time_base("[Parsed_showinfo_1 @ 0x55] [info] config in time_base: 1001/30000, frame_rate: 25/1", base));
+  EXPECT_DOUBLE_EQ(base.seconds(30000), 1001);
+  for (const char* bad :
+       {"config in time_base: 1/25", "[showinfo] config in time_base: 1/0,", "[showinfo] config in time_base: -1/5,",
+        "[showinfo] config in time_base: 1", "[showinfo] config in time_base: /"})
+    EXPECT_FALSE(parse_time_base(bad, base)) << bad;
 }
 
 TEST(FilmInfoText, ColoursAndTurnsAreRead) {
