@@ -65,6 +65,23 @@ std::optional<Colmap> find_colmap() {
   return colmap;
 }
 
+// ffmpeg and ffprobe, which decode films.
+void print_films(std::vector<std::string>& missing) {
+  const auto ffmpeg = find_program("ffmpeg");
+  if (!ffmpeg || !find_program("ffprobe")) {
+    fmt::print("  films   {} missing\n", ffmpeg ? "ffprobe" : "ffmpeg");
+    missing.push_back("ffmpeg with ffprobe: apt install ffmpeg (needed for films, not for photos)");
+    return;
+  }
+  std::string version = "of unknown version";  // first line: "ffmpeg version 5.1.6-0+deb12u1 Copyright (c) ..."
+  run_process({.arguments = {ffmpeg->string(), "-version"}, .on_line = [&](std::string_view line) {
+                 constexpr std::string_view kStart = "ffmpeg version ";
+                 if (line.starts_with(kStart))
+                   version = line.substr(kStart.size(), line.find(' ', kStart.size()) - kStart.size());
+               }});
+  fmt::print("  films   ffmpeg {} at {}\n", version, ffmpeg->string());
+}
+
 // Decoders of photos that a build may lack.
 void print_photo_formats(std::vector<std::string>& missing) {
   try {
@@ -104,6 +121,7 @@ int doctor_command(const Words& words) {
     missing.push_back("colmap: apt install colmap, or set VITRINE_COLMAP (not needed with --poses that bring sparse points)");
   }
   print_photo_formats(missing);
+  print_films(missing);
   fmt::print("  disk    {} free in {}\n", bytes_text(free_disk_bytes(fs::current_path())), fs::current_path().string());
   std::vector<std::string> names;
   try {

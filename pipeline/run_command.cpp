@@ -34,7 +34,8 @@ struct RunArguments {
 
 CommandLine run_command_line(RunArguments& a) {
   CommandLine cli("vitrine run", "PHOTOS|PROJECT [-o DIR] [options]",
-                  "Photos in, scene out. PHOTOS is a folder of photos, with films or without, or one film; PROJECT is the output folder of an earlier run, which "
+                  "Photos in, scene out. PHOTOS is a folder of photos, with films or without, or one film; PROJECT is the output "
+                  "folder of an earlier run, which "
                   "remembers its photos "
                   "and settings. Stages whose inputs and options did not change are not computed again.");
   cli.section("what");

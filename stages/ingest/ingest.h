@@ -1,5 +1,5 @@
-// Stage `ingest`: a folder of photos and films -> upright linear EXR files, 8-bit copies for structure from motion, and ingest/photos.json
-// with focal length and exposure from EXIF (README.md).
+// Stage `ingest`: a folder of photos and films -> upright linear EXR files, 8-bit copies for structure from motion, and
+// ingest/photos.json with focal length and exposure from EXIF (README.md).
 #pragma once
 
 #include "stages/stage.h"
