@@ -17,6 +17,18 @@ struct Road {
   std::vector<std::string> words;   // the command
 };
 
+// Number of processes of this machine that have `word` in their command line.
+size_t processes_with(const std::string& word) {
+  size_t count = 0;
+  std::error_code ec;
+  for (fs::directory_iterator at("/proc", ec), end; at != end; at.increment(ec)) {
+    std::ifstream in(at->path() / "cmdline", std::ios::binary);
+    const std::string line{std::istreambuf_iterator<char>(in), {}};
+    count += line.find(word) != line.npos;
+  }
+  return count;
+}
+
 class Executables : public TinyRoom {
  protected:
   static uint64_t number_from(const char* name, uint64_t otherwise) {
@@ -54,6 +66,10 @@ class Executables : public TinyRoom {
          {bytes(out() / "linear/img_0001.exr")},
          "few photos/img_0002.exr",
          {program("vitrine-ingest"), "-i", "photos=" + at("few photos"), "-o", result, "-q"}},
+        {"film",
+         fuzz_format("film").corpus(),
+         "clip.mp4",
+         {program("vitrine-ingest"), "-i", "photos=" + at("clip.mp4"), "-o", result, "-q"}},
         {"yaml",
          {"max_side: 64\n"},
          "c.yaml",
@@ -150,6 +166,7 @@ TEST_F(Executables, EndWithADocumentedCodeWhateverTheFileHolds) {
       fs::remove(folder.path() / "few photos/img_0002.exr");
     }
   }
+  EXPECT_EQ(processes_with(folder.path().string()), 0u) << "child processes outlive their program";
   std::string text;
   for (const auto& [code, count] : ends) text += fmt::format("  {} x code {}", count, code);
   fmt::print("{} files:{}\n", files, text);

@@ -10,8 +10,8 @@ std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transform
 std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
     onnx_corpus(), weights_corpus(), objects_corpus();
-std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus(),
-    gpano_corpus();
+std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus(), gpano_corpus(), film_text_corpus(),
+    film_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
   using namespace std::string_view_literals;
@@ -105,6 +105,12 @@ std::span<const FuzzFormat> fuzz_formats() {
         "\x17\x01\x04\x00"sv, "\x12\xc6\x01\x00"sv, "\x4a\x01\x04\x00"sv, "\xff\xff\xff\x7f"sv, "FUJIFILMCCD-RAW ", "IIRO",
         "Canon", "NIKON", "SONY"}},
       {"gpano", fuzz_gpano, gpano_corpus, {"xmlns:", "panorama/", "GPano:", "=\"", "'", "><", "1e9", "99999999999"}},
+      {"film_text", fuzz_film_text, film_text_corpus, json},
+      {"film",
+       fuzz_film,
+       film_corpus,
+       {"moov", "mdat", "trak", "tkhd", "stsd", "stsz", "stco", "stts", "ctts", "avcC", "edts", "moof", "\xff\xff\xff\x7f"sv,
+        "\x1a\x45\xdf\xa3"sv, "\x1f\x43\xb6\x75"sv}},
       {"icc",
        fuzz_icc,
        icc_corpus,

@@ -45,6 +45,8 @@ void fuzz_tiff(std::span<const uint8_t> bytes);
 void fuzz_heif(std::span<const uint8_t> bytes);
 void fuzz_raw(std::span<const uint8_t> bytes);
 void fuzz_gpano(std::span<const uint8_t> bytes);
+void fuzz_film_text(std::span<const uint8_t> bytes);
+void fuzz_film(std::span<const uint8_t> bytes);
 void fuzz_icc(std::span<const uint8_t> bytes);
 void fuzz_onnx(std::span<const uint8_t> bytes);
 void fuzz_weights(std::span<const uint8_t> bytes);
