@@ -17,6 +17,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 
 namespace vitrine {
@@ -64,18 +65,26 @@ class Fifo {
   int fd_ = -1;
 };
 
+// Expression of ffmpeg that is 1 for these times. A binary search: ffmpeg 5.1 refuses sums of more than a hundred terms.
+std::string is_one_of(std::span<const int64_t> times) {
+  if (times.size() == 1) return fmt::format("eq(pts,{})", times[0]);
+  const size_t half = times.size() / 2;
+  return fmt::format("if(lt(pts,{}),{},{})", times[half], is_one_of(times.first(half)), is_one_of(times.subspan(half)));
+}
+
 std::vector<std::string> command_of(const DecodeRequest& r, const fs::path& fifo) {
   std::string filters = r.film.interlaced ? "yadif=deint=all," : "";  // first: it needs the neighbours of a frame
   // Damaged films, and films with times that were rounded, have frames without a time or with that of an earlier one. Without
   // them a time names one frame, in any pass.
   filters += "select='not(isnan(pts)+lte(pts,prev_selected_pts))";
-  for (size_t i = 0; i < r.only.size(); ++i) filters += fmt::format("{}eq(pts,{})", i > 0 ? "+" : "*(", r.only[i]);
-  filters += r.only.empty() ? "'," : ")',";
+  if (!r.only.empty()) filters += "*" + is_one_of(r.only);
+  filters += "',";
   filters += "showinfo=checksum=0,";
   // Frames leave far apart: close times of a variable rate would become equal in the time base of the output and be dropped.
   filters += r.filters + "," + kTurns[r.film.orientation - 1] + "format=" + r.pixel_format + ",setpts=100*N/TB";
-  std::vector<std::string> words{film_program("ffmpeg"), "-nostdin", "-hide_banner", "-nostats", "-loglevel", "level+info",
-                                 "-noautorotate",        "-y"};
+  std::vector<std::string> words{
+      film_program("ffmpeg"), "-nostdin",      "-hide_banner", "-nostats", "-loglevel",
+      "level+info",           "-noautorotate", "-y",           "-threads", std::to_string(thread_limit())};
   for (const std::string& w : film_input(r.film.path)) words.push_back(w);
   words.insert(words.end(), {"-map", fmt::format("0:{}", r.film.stream), "-fps_mode", "passthrough", "-vf", filters});
   if (!r.only.empty()) words.insert(words.end(), {"-frames:v", std::to_string(r.only.size())});
