@@ -73,6 +73,15 @@ double aspect_of(const std::string& text) {
   return ratio > 1 / kMost && ratio < kMost ? ratio : 1;
 }
 
+// Bits per sample of a pixel format of ffmpeg: "yuv420p10le", "p010le", "rgb48le" (48 per pixel); those without a byte order
+// have 8.
+int bits_of(const std::string& format) {
+  if (!format.ends_with("le") && !format.ends_with("be")) return 8;
+  const size_t end = format.size() - 2, begin = format.find_last_not_of("0123456789", end - 1) + 1;
+  const int number = std::atoi(format.substr(begin, end - begin).c_str());
+  return number > 8 && number < 16 ? number : 16;
+}
+
 // EXIF orientation of a display matrix (ISO/IEC 14496-12): x' = a x + c y, y' = b x + d y. Nullopt if it is no quarter turn.
 std::optional<int> orientation_of(const std::string& matrix) {
   std::vector<double> v;  // rows of three after a colon each
@@ -133,7 +142,8 @@ void take_colors(const Json& stream, FilmInfo& info) {
   for (const Matrix& m : kMatrices)
     if (matrix == m.name) info.matrix = m.of_filter;
   const auto stored_as = [&](const char* start) { return info.pixel_format.starts_with(start); };
-  info.full_range = range == "pc" || stored_as("yuvj") || stored_as("gbr") || stored_as("rgb") || stored_as("bgr");
+  info.is_rgb = stored_as("gbr") || stored_as("rgb") || stored_as("bgr");
+  info.full_range = range == "pc" || stored_as("yuvj") || info.is_rgb;
 }
 
 const Json* video_stream(const Json& streams) {
@@ -162,7 +172,7 @@ std::vector<std::string> film_input(const fs::path& film) {
 std::string film_program(std::string_view name) {
   if (const auto program = find_program(name)) return program->string();
   throw Error(ErrorKind::Dependency, fmt::format("films are read with {}, which is not installed", name),
-              {.hint = "apt-get install ffmpeg", .code = "NO_FFMPEG"});
+              {.hint = "apt-get install ffmpeg, or give photos without films", .code = "NO_FFMPEG"});
 }
 
 void throw_bad_film(const fs::path& film, std::string why, std::string hint) {
@@ -195,7 +205,7 @@ FilmInfo parse_film_info(std::string_view json, const fs::path& film) {
   info.height = int(*height);
   if (info.pixel_format.empty() || info.codec.empty())
     throw_bad_film(film, "its video cannot be decoded: damaged, encrypted, or of an unknown codec", kExport);
-  info.deep = info.pixel_format.ends_with("le") || info.pixel_format.ends_with("be");
+  info.bits = bits_of(info.pixel_format);
   const std::string order = text_at(*video, "field_order");
   info.interlaced = !order.empty() && order != "progressive" && order != "unknown";
   if (info.interlaced) info.notes.push_back("it is interlaced: the rows between are interpolated");

@@ -18,12 +18,12 @@ struct FilmInfo {
   int orientation = 1;              // EXIF 1..8 that turns stored frames upright, from the display matrix
   double seconds = 0;               // duration; 0 = unknown
   std::string codec, pixel_format;  // names of ffmpeg
-  bool deep = false;                // more than 8 bits per sample
+  int bits = 8;                     // per sample
   bool interlaced = false;
   Cicp color{.primaries = 1, .transfer = 1};  // of the frames as RGB
-  bool full_range = false;
-  std::string matrix = "bt709";    // of YCbCr, a name of ffmpeg's scale filter
-  std::vector<std::string> notes;  // assumptions: "its colours are not tagged: BT.709 is assumed"
+  bool full_range = false, is_rgb = false;    // samples of the file
+  std::string matrix = "bt709";               // of YCbCr, a name of ffmpeg's scale filter
+  std::vector<std::string> notes;             // assumptions: "its colours are not tagged: BT.709 is assumed"
 };
 
 // The arguments that open `film` for reading: protocol and containers are limited.

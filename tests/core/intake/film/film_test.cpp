@@ -12,6 +12,7 @@
 #include "core/foundation/base/rng.h"
 #include "core/intake/film/film_frames.h"
 #include "core/intake/film/photos_and_films.h"
+#include "core/intake/photos/linear_photo.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
 #include "tests/support/error_of.h"
@@ -155,6 +156,19 @@ TEST_F(Films, VariableFrameRateKeepsTimesAndFrames) {
   }
 }
 
+TEST_F(Films, HundredsOfTimesAreDecoded) {
+  const FilmInfo info = read_film_info(shared("pan.mkv"));
+  std::vector<int64_t> only;
+  for (int64_t ms = 0; ms < 40 * kFrames; ms += 8) only.push_back(ms);  // every fifth is that of a frame
+  std::string damage;
+  const std::vector<FrameTime> times = decode_frames(
+      {.film = info, .filters = "null", .pixel_format = "gray", .frame_bytes = kWidth * kHeight, .only = only},
+      [](size_t, std::span<const uint8_t>) {}, damage);
+  ASSERT_EQ(times.size(), size_t(kFrames));
+  for (size_t i = 0; i < times.size(); ++i) EXPECT_EQ(times[i].pts, int64_t(40 * i));
+  EXPECT_EQ(damage, "");
+}
+
 TEST_F(Films, OfFramesWithOneTimeTheFirstIsUsed) {
   pan(at("doubled.mkv"), kStep, "setpts=2*floor(N/2)");
   const PhotosAndFilms all = cut(at("doubled.mkv"));
@@ -195,6 +209,30 @@ TEST_F(Films, RotationIsAppliedOnce) {
       for (int x = 0; x < kHeight; x += 7) ASSERT_EQ(seen.at(x, y, 1), stored->second.at(y, kHeight - 1 - x, 1)) << x << ' ' << y;
   }
   EXPECT_GE(compared, 1u);
+}
+
+// One colour as 10-bit YCbCr of limited range with the matrix of BT.2020; luma is that of the diffuse white (ITU-R BT.2408).
+TEST_F(Films, HdrBecomesLinearOverItsDiffuseWhite) {
+  struct Curve {
+    const char* name;
+    int luma;
+    unsigned transfer;
+  };
+  for (const Curve& curve : {Curve{"smpte2084", 573, 16}, Curve{"arib-std-b67", 721, 18}}) {
+    const fs::path film = at("hdr.mkv"), frame = at("hdr.png");
+    ffmpeg({"-f", "lavfi", "-i", "color=black:size=32x24:rate=5:duration=0.2,format=yuv420p10le", "-vf",
+            fmt::format("geq=lum={}:cb=512:cr=576", curve.luma), "-c:v", "ffv1", "-color_primaries", "bt2020", "-color_trc",
+            curve.name, "-colorspace", "bt2020nc", "-color_range", "tv", film.string()});
+    write_film_frames(read_film_info(film), {{0, frame}}, [](size_t) {});
+    const ImageF seen = read_linear_photo(frame, read_photo_head(frame)).linear;
+    ImageF expected(2, 1, 3);  // this colour, and grey of its luma
+    const float y = float(curve.luma - 64) / 876, cr = 64.0f / 896;
+    const float rgb[] = {y + 1.4746f * cr, y - 0.57135f * cr, y};
+    for (int c = 0; c < 3; ++c) expected.at(0, 0, c) = rgb[c], expected.at(1, 0, c) = y;
+    cicp_profile({.primaries = 9, .transfer = curve.transfer})->to_linear(expected);
+    EXPECT_NEAR(expected.at(1, 0, 1), 1, 0.005) << curve.name;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen.at(16, 12, c), expected.at(0, 0, c), 0.002) << curve.name;
+  }
 }
 
 TEST_F(Films, SameBytesForAnyNumberOfThreads) {
@@ -292,7 +330,7 @@ TEST(FilmInfoText, ColoursAndTurnsAreRead) {
   EXPECT_EQ(info.color.transfer, 18u);
   EXPECT_EQ(info.matrix, "bt2020");
   EXPECT_EQ(info.orientation, 6);
-  EXPECT_TRUE(info.deep);
+  EXPECT_EQ(info.bits, 10);
   EXPECT_TRUE(info.notes.empty());
   EXPECT_EQ(info.seconds, 3.5);
   for (const char* bad : {"", "[]", "{}", R"({"streams":[1,{"codec_type":2}]})", R"({"streams":[{"codec_type":"video"}]})"})
