@@ -17,10 +17,10 @@ void choose_from(const std::vector<TrackedFrame>& frames, size_t film, double ga
   for (size_t i = 0; i < frames.size();) {
     const double end = frames[i].motion + gap;
     if (i > 0 && frames.back().motion < end) break;  // too short to hold a sharp frame for sure
-    size_t best = i;
-    for (size_t k = i; k < frames.size() && frames[k].motion < end; ++k)
+    size_t best = i, k = i;
+    for (; k < frames.size() && frames[k].motion < end; ++k)
       if (frames[k].sharpness > frames[best].sharpness) best = k;
-    out.push_back({film, best});
+    out.push_back({film, best, std::max<size_t>(k - i, 1)});
     const double next = frames[best].motion + gap;
     while (i < frames.size() && frames[i].motion < next) ++i;
   }

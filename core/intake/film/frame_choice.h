@@ -10,6 +10,7 @@ namespace vitrine {
 
 struct ChosenFrame {
   size_t film = 0, frame = 0;  // indices
+  size_t among = 1;            // number of frames of its stretch, of which it is the sharpest
 };
 
 struct FrameChoice {

@@ -126,12 +126,13 @@ FilmReport report_of(const FilmFile& file, const Film& film, const std::string& 
                .height = film.info.height,
                .frames = film.track.size(),
                .notes = film.info.notes,
+               .damage = {},
                .failure = {}};
   if (film.info.orientation >= 5) std::swap(r.width, r.height);
-  if (!damage.empty()) r.notes.push_back(fmt::format("it is damaged ({}): frames may be missing", damage));
+  if (!damage.empty()) r.damage.push_back(fmt::format("it is damaged ({}): frames may be missing", damage));
   constexpr double kMissing = 0.9;  // of the stated duration
   if (film.info.seconds > 1 && r.seconds < kMissing * film.info.seconds - 1)
-    r.notes.push_back(
+    r.damage.push_back(
         fmt::format("it is truncated: {} of {} can be decoded", seconds_text(r.seconds), seconds_text(film.info.seconds)));
   return r;
 }
@@ -149,7 +150,8 @@ std::string FilmReport::sentence() const {
   if (!failure.empty()) return fmt::format("{} is left out: {}", source, failure);
   std::string text =
       fmt::format("{}: {}, {} x {}: {} of {} frames are used", source, seconds_text(seconds), width, height, chosen, frames);
-  for (const std::string& note : notes) text += "; " + note;
+  for (const std::vector<std::string>* list : {&notes, &damage})
+    for (const std::string& note : *list) text += "; " + note;
   return text;
 }
 
@@ -173,7 +175,7 @@ class Cutter {
     std::error_code ec;
     fs::remove_all(request_.work / "frames", ec);  // of a run that was killed
     for (size_t f = 0; f < files_.size(); ++f) {
-      all_.films.push_back({.source = files_[f].source, .notes = {}, .failure = {}});
+      all_.films.push_back({.source = files_[f].source, .notes = {}, .damage = {}, .failure = {}});
       attempt(f, [&] { track(f); });
     }
     choose();
@@ -236,7 +238,7 @@ class Cutter {
       if (!all_.frames.empty() && all_.frames.back().source == name)
         --all_.films[c.film].chosen;  // in one millisecond
       else
-        all_.frames.push_back({name, c.film, t.time, t.sharpness, t.motion, {}, {}});
+        all_.frames.push_back({name, c.film, t.time, t.sharpness, t.motion, c.among, {}, {}});
     }
   }
 
@@ -276,17 +278,22 @@ void write_film_report(const fs::path& folder, const PhotosAndFilms& all) {
                      {"frames", f.frames},
                      {"chosen", f.chosen},
                      {"notes", f.notes},
+                     {"damage", f.damage},
                      {"failure", f.failure}});
+  double before = 0;
   for (const FilmFrameReport& f : all.frames) {
-    if (f.film != shown) sheet.start_row(all.films[f.film].sentence());
+    if (f.film != shown) sheet.start_row(all.films[f.film].sentence() + "; below: time, sharpest of how many, motion");
+    if (f.film != shown) before = f.motion;
     shown = f.film;
-    sheet.add(fmt::format("{:.3f} s", f.time.seconds), f.thumbnail);
+    sheet.add(fmt::format("{:.2f} s of {} {:+.0f} %", f.time.seconds, f.among, 100 * (f.motion - before)), f.thumbnail);
+    before = f.motion;
     frames.push_back({{"photo", f.source},
                       {"film", all.films[f.film].source},
                       {"pts", f.time.pts},
                       {"time_s", f.time.seconds},
                       {"sharpness", f.sharpness},
                       {"motion", f.motion},
+                      {"sharpest_of", f.among},
                       {"blur_px_at_800", f.blur_px ? nlohmann::json(*f.blur_px) : nlohmann::json()}});
   }
   write_json_file(folder / "ingest" / "films.json", {{"films", films}, {"frames", frames}, {"least_motion", all.least_motion}});

@@ -16,9 +16,10 @@ struct FilmReport {
   double seconds = 0;
   int width = 0, height = 0;  // upright
   size_t frames = 0, chosen = 0;
-  std::vector<std::string> notes;  // assumptions, damage, what was left out
-  std::string failure;             // why none of its frames is used; empty otherwise
-  std::string sentence() const;    // "kettle.mp4: 60.1 s, 1920 x 1080: 96 of 1803 frames are used"
+  std::vector<std::string> notes;   // assumptions, parts without a sharp frame
+  std::vector<std::string> damage;  // frames that cannot be decoded
+  std::string failure;              // why none of its frames is used; empty otherwise
+  std::string sentence() const;     // "kettle.mp4: 60.1 s, 1920 x 1080: 96 of 1803 frames are used"
 };
 
 struct FilmFrameReport {
@@ -26,6 +27,7 @@ struct FilmFrameReport {
   size_t film = 0;     // index
   FrameTime time;
   double sharpness = 0, motion = 0;  // core/intake/film/film_track.h
+  size_t among = 1;                  // number of frames of which it is the sharpest
   std::optional<double> blur_px;     // at a longest side of at most 800 pixels
   Image8 thumbnail;
 };
@@ -51,7 +53,8 @@ struct PhotosAndFilms {
 // of the first film. Error{Dependency} with the code NO_FFMPEG.
 PhotosAndFilms photos_and_films(const std::filesystem::path& given, const CutRequest& request);
 
-// ingest/films.json and ingest/films.jpg, a contact sheet of the frames with their times. Nothing if there are no films.
+// ingest/films.json and ingest/films.jpg, a contact sheet of the frames: time, of how many it is the sharpest, motion of the
+// picture since the frame before. Nothing if there are no films.
 void write_film_report(const std::filesystem::path& folder, const PhotosAndFilms& all);
 
 }  // namespace vitrine
