@@ -49,9 +49,7 @@ void check_objects(const fs::path& given) {
 
 PhotoNames::PhotoNames(const fs::path& photos) {
   try {
-    PhotoFolder found = find_photos(photos);
-    const bool cut = std::ranges::any_of(found.films, [](const FilmFile& film) { return !film.of_photo; });
-    if (!cut) files_ = std::move(found.photos);  // else the names of the frames are known after ingest
+    if (!gives_film_frames(photos)) files_ = find_photos(photos).photos;  // names of frames are known after ingest
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
   }

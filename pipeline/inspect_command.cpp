@@ -396,7 +396,8 @@ int inspect_command(const Words& words) {
   print_costs(costs, threads, subject.has_masks());
   if (!subject.has_masks())
     print_row("masks", "Glass, bare metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
-                           join_command({"vitrine", "mark", given}));
+                           (gives_film_frames(given) ? "vitrine run FILM -o DIR --to ingest, then vitrine mark DIR"
+                                                     : join_command({"vitrine", "mark", given})));
   return 0;
 }
 

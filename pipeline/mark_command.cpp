@@ -33,6 +33,13 @@ struct MarkSubject {
   std::string command = {};              // `vitrine run` command with the marks
 };
 
+// Photos of a project for the page: where frames of films are among them, the upright copies that ingest has made.
+fs::path shown_photos(const fs::path& project, const fs::path& given) {
+  const auto key = current_key(project, "ingest");
+  if (!key || !gives_film_frames(given)) return given;
+  return store_of(project) / "ingest" / *key / "ingest" / "ldr";
+}
+
 MarkSubject subject_of(const std::string& word, const std::string& marks) {
   const fs::path what = fs::absolute(word).lexically_normal();
   MarkSubject s{.photos = what};
@@ -45,7 +52,7 @@ MarkSubject subject_of(const std::string& word, const std::string& marks) {
   s.command = join_command({"vitrine", "run", word, "--masks", "marks.yaml"});
   Settings settings(load_graph(stage_folder()));
   settings.load({.project = what});
-  s.photos = settings.text("input.photos");
+  s.photos = shown_photos(what, settings.text("input.photos"));
   std::error_code ec;
   const fs::path before = settings.text("input.masks");
   if (marks.empty() && called_marks(before)) {

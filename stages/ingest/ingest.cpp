@@ -149,8 +149,8 @@ void report_films(const PhotosAndFilms& all, StageContext& context) {
   for (const FilmReport& film : all.films)
     if (!film.failure.empty())
       context.warning("FILMS_LEFT_OUT", film.sentence());
-    else if (!film.notes.empty())
-      context.warning("FILM_CONTENT", film.sentence());
+    else if (!film.damage.empty())
+      context.warning("FILM_DAMAGED", film.sentence());
     else
       log_info("{}", film.sentence());
 }

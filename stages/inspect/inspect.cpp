@@ -96,7 +96,7 @@ std::string verdict(const std::vector<Finding>& list) {
 void add_films(const PhotosAndFilms& all, std::vector<Finding>& list) {
   for (const FilmReport& film : all.films)
     list.push_back({film.failure.empty() ? "film_frames" : "film_left_out",
-                    film.failure.empty() && film.notes.empty() ? Severity::Note : Severity::Warning, film.sentence(),
+                    film.failure.empty() && film.damage.empty() ? Severity::Note : Severity::Warning, film.sentence(),
                     fmt::format("the sharpest frame of each part, at least {:.0f} % of the picture apart", 100 * all.least_motion),
                     film.failure.empty() ? "--frames N limits their number; a run cuts the film again" : "take it out, or film again",
                     {}});

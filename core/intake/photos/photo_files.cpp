@@ -72,6 +72,17 @@ void mark_live_photos(const std::vector<fs::path>& files, std::vector<FilmFile>&
 
 bool is_film_name(const fs::path& path) { return contains(kFilms, lowered(path.extension().string())); }
 
+bool gives_film_frames(const fs::path& given) {
+  std::error_code ec;
+  if (!fs::is_directory(given, ec)) return is_film_name(given);
+  try {
+    return !std::ranges::all_of(find_photos(given, FilmsAre::Photos).films, &FilmFile::of_photo);
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+    return false;  // no photo and no film
+  }
+}
+
 PhotoFolder find_photos(const fs::path& folder, FilmsAre films) {
   std::error_code error;
   if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
@@ -80,7 +91,7 @@ PhotoFolder find_photos(const fs::path& folder, FilmsAre films) {
       throw Error(ErrorKind::Input, "a film cannot be read here",
                   {.where = folder.string(),
                    .why = "`vitrine run` and `vitrine inspect` cut films into frames, others read photos",
-                   .hint = "vitrine run FILM -o DIR --to ingest, then give DIR/ingest/ldr",
+                   .hint = "vitrine run FILM -o DIR --to ingest, then give DIR",
                    .code = "PHOTOS_UNREADABLE"});
     const GivenFile file = refusal_of_file(folder);
     throw_unreadable(folder, file.why, file.hint);

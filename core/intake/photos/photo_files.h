@@ -69,6 +69,8 @@ PhotoFolder find_photos(const std::filesystem::path& folder, FilmsAre films = Fi
 
 // True for the extensions of films that cameras and programs write, in any case: .mp4 .mov .m4v .mkv .webm .avi ...
 bool is_film_name(const std::filesystem::path& path);
+// True for a film, and for a folder with films that belong to no photo: the frames become photos in the stage ingest.
+bool gives_film_frames(const std::filesystem::path& given);
 
 // Message to the user about a folder of photos.
 struct FolderNote {
