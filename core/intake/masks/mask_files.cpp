@@ -7,10 +7,10 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/folder_files.h"
-#include "core/foundation/config/document_outline.h"
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/intake/masks/mask_classes.h"
+#include "core/intake/photos/given_file.h"
 #include "core/intake/photos/photo_files.h"
 #include "core/intake/photos/picture_content.h"
 
@@ -75,10 +75,19 @@ void refuse_file_without_masks(const fs::path& file) {
   };
   constexpr const char* kPictures =
       "export masks as pictures, one for each photo (CVAT: Segmentation mask), and give their folder";
-  static const std::set<std::string> archives{".zip", ".7z", ".rar", ".tar", ".gz", ".tgz"};
-  if (archives.contains(lowered(file.extension().string())))
-    refuse("this is an archive", "unpack it, and give the folder of the masks");
-  if (is_picture(file)) refuse("this is one picture", "give the folder of the masks: one for each photo, with its name");
+  switch (kind_of_file(file)) {
+    case FileKind::Archive:
+      refuse("this is an archive", "unpack it, and give the folder of the masks");
+      break;
+    case FileKind::Document:
+      refuse("this is a PDF document", kPictures);
+      break;
+    case FileKind::Photo:
+      refuse("this is one picture", "give the folder of the masks: one for each photo, with its name");
+      break;
+    case FileKind::Other:
+      break;
+  }
   const DocumentOutline outline = document_outline(file);
   if (!outline.xml_root.empty())
     refuse(outline.xml_root.starts_with("annotation") ? "this file holds annotations (CVAT, Pascal VOC), no pictures"

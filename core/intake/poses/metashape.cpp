@@ -15,11 +15,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr const char* kFormat = "cameras file of Metashape";
-constexpr const char* kExportAgain =
-    "in Metashape: File > Export > Export Cameras, as Agisoft XML; or as COLMAP, which holds undistorted photos, too";
-constexpr double kSmallSkew = 1e-3;  // of the focal length: a third of a pixel over 640
-
 Mat3d matrix_of(const XmlFile& file, pugi::xml_node at, const std::vector<double>& n, size_t stride) {
   Mat3d m;
   for (size_t r = 0; r < 3; ++r)
@@ -60,6 +55,7 @@ ColmapCamera sensor_camera(const XmlFile& file, pugi::xml_node sensor) {
   const double width = file.attribute(size, "width"), height = file.attribute(size, "height");
   if (!(width >= 1 && height >= 1 && std::max(width, height) <= 1 << 20))
     file.fail(size, "width and height are no size in pixels");
+  constexpr double kSmallSkew = 1e-3;  // of the focal length: a third of a pixel over 640
   const double f = file.number(file.child(calibration, "f"));
   const auto value = [&](const char* name) { return file.number_of_child(calibration, name, 0); };
   const double fx = f + value("b1");
@@ -126,7 +122,9 @@ std::map<std::string, Similarity> components(const XmlFile& file, pugi::xml_node
 }  // namespace
 
 ProgramPoses read_metashape(const fs::path& path) {
-  const XmlFile file(path, kFormat, kExportAgain);
+  const XmlFile file(
+      path, "cameras file of Metashape",
+      "in Metashape: File > Export > Export Cameras, as Agisoft XML; or as COLMAP, which holds undistorted photos, too");
   const pugi::xml_node top = file.root();
   const pugi::xml_node chunk = std::string_view(top.name()) == "chunk" ? top : file.child(top, "chunk");
   std::map<std::string, pugi::xml_node> sensors;

@@ -7,14 +7,12 @@
 #include <fmt/format.h>
 
 #include "core/foundation/base/file.h"
-#include "core/foundation/config/document_outline.h"
+#include "core/intake/photos/given_file.h"
 #include "core/intake/poses/pose_files.h"
 
 namespace vitrine {
 
 namespace {
-
-constexpr const char* kRunAgain = "run without --poses: poses are found from the photos";
 
 using Kind = PoseFile::Kind;
 
@@ -80,8 +78,8 @@ const std::vector<JsonKind>& json_kinds() {
       {{"orientation", "position", "focal_length"},
        {},
        {"one camera of a Nerfies capture", "convert the capture to a transforms.json; or run without --poses"}},
-      {{"images", "annotations"}, {}, {"annotations of pictures (COCO), not cameras", ""}},
-      {{"shapes", "imagePath"}, {}, {"annotations of a picture (labelme), not cameras", ""}},
+      {{"images", "annotations"}, {}, {"a file of annotations (COCO), not of cameras", ""}},
+      {{"shapes", "imagePath"}, {}, {"a file of annotations (labelme), not of cameras", ""}},
       {{"type", "features"}, {}, {"a map of places (GeoJSON)", "give reconstruction.json of OpenSfM (ODM: opensfm/)"}},
   };
   return kinds;
@@ -101,8 +99,10 @@ RecognisedPoses recognised_json(const JsonOutline& json) {
 RecognisedPoses recognised_xml(const std::string& root) {
   if (root == "document" || root == "chunk") return {Kind::Metashape, {}, {}};
   if (root == "BlocksExchange")
-    return {{}, "a block of ContextCapture (iTwin Capture)", std::string(kRunAgain) + "; or give them as COLMAP"};
-  if (root == "annotations" || root == "annotation") return {{}, "annotations of pictures (CVAT, Pascal VOC), not cameras", {}};
+    return {{},
+            "a block of ContextCapture (iTwin Capture)",
+            "run without --poses: poses are found from the photos; or give them as COLMAP"};
+  if (root == "annotations" || root == "annotation") return {{}, "a file of annotations (CVAT, Pascal VOC), not of cameras", {}};
   return {{}, fmt::format("an XML file of no known kind: <{}>", root.substr(0, 40)), {}};
 }
 
@@ -112,6 +112,7 @@ RecognisedPoses recognised_poses(const fs::path& file) {
   const std::string extension = lowered(file.extension().string());
   if (const auto known = by_extension().find(extension); known != by_extension().end())
     return {{}, known->second.what, known->second.hint};
+  if (kind_of_file(file) == FileKind::Archive) return {{}, by_extension().at(".zip").what, by_extension().at(".zip").hint};
   const DocumentOutline outline = document_outline(file);
   if (!outline.xml_root.empty()) return recognised_xml(outline.xml_root);
   if (outline.json) return recognised_json(*outline.json);

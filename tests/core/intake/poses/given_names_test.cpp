@@ -320,17 +320,17 @@ TEST_F(ListedMasks, ThatDoNotExistAreCounted) {
 
 TEST_F(ListedMasks, AreNotWhatOtherFilesHold) {
   for (const auto& [name, text, what] :
-       {std::tuple{"masks.zip", "PK", "archive"},
+       {std::tuple{"masks.zip", "PK\x03\x04 and more", "archive"},
         {"annotations.xml", "<?xml version=\"1.0\"?>\n<annotations/>", "annotations (CVAT, Pascal VOC)"},
         {"coco.json", "{\"images\": [], \"annotations\": [], \"categories\": []}", "annotations (COCO)"},
         {"a.json", "{\"shapes\": [], \"imagePath\": \"a.jpg\"}", "annotations (labelme)"},
-        {"other.json", "{\"views\": []}", "JSON without 'frames'"},
-        {"mask.png", "x", "one picture"}}) {
+        {"other.json", "{\"views\": []}", "JSON without 'frames'"}}) {
     write_file(folder.path() / name, text);
     const Error e = error_of([&] { MaskFolder{folder.path() / name}; });
     EXPECT_EQ(e.detail().code, "MASKS_MISSING") << name;
     EXPECT_NE(e.detail().why.find(what), std::string::npos) << e.what();
   }
+  EXPECT_NE(error_of([&] { MaskFolder{folder.path() / "masks/front/0.png"}; }).detail().why.find("one picture"), std::string::npos);
   write_file(folder.path() / "cut.json", "{\"frames\": [");
   EXPECT_EQ(error_of([&] { MaskFolder{folder.path() / "cut.json"}; }).detail().code, "BAD_JSON");
 }

@@ -1,7 +1,6 @@
-#include "core/foundation/config/document_outline.h"
-
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
+#include "core/intake/photos/given_file.h"
 
 namespace vitrine {
 
