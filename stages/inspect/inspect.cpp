@@ -4,6 +4,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/intake/film/photos_and_films.h"
+#include "core/intake/masks/mask_files.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/inspect/coverage.h"
