@@ -51,6 +51,7 @@ TEST_F(FilmRun, FramesArePhotosOfOneCamera) {
   ASSERT_EQ(to_ingest({"--frames", "4"}).exit, 0);
   EXPECT_LE(ingested("photos.json").at("photos").size(), 4u);
   EXPECT_GE(ingested("photos.json").at("photos").size(), 2u);
+  if (!fs::exists(fs::path(VITRINE_BIN_DIR) / "vitrine-mark.html")) return;  // a build without npm
   const Outcome page = call({"mark", out().string(), "-o", (folder.path() / "mark.html").string()});
   EXPECT_EQ(page.exit, 0) << page.text;
 }
@@ -66,7 +67,7 @@ TEST_F(FilmRun, UnusableFilmsLeaveNoResult) {
   setenv("PATH", folder.path().c_str(), 1);
   for (const Outcome& none : {to_ingest(), call({"inspect", photos().string()})}) {
     EXPECT_EQ(none.exit, 7);
-    EXPECT_TRUE(none.said("not installed try apt-get install ffmpeg")) << none.text;
+    EXPECT_TRUE(none.said("which is not installed") && none.said("try apt-get install ffmpeg")) << none.text;
   }
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(fs::exists(out() / "ingest"));
@@ -74,7 +75,7 @@ TEST_F(FilmRun, UnusableFilmsLeaveNoResult) {
 
 TEST_F(FilmRun, AnInterruptedRunStopsFfmpegAndGoesOn) {
   std::vector<std::string> words{"ffmpeg", "-nostdin", "-v", "error", "-y", "-f", "lavfi", "-i"};
-  words.push_back("testsrc2=size=320x240:rate=25:duration=40,scroll=horizontal=0.005");
+  words.push_back("testsrc2=size=320x240:rate=25:duration=16,scroll=horizontal=0.005");
   words.insert(words.end(), {"-c:v", "libx264", "-preset", "ultrafast", "-pix_fmt", "yuv420p", photos().string()});
   ASSERT_TRUE(run_process({.arguments = words}).ok());
   const pid_t child = start({"run", photos().string(), "-o", out().string(), "--to", "ingest", "--quiet", "--frames", "5"});

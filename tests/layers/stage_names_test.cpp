@@ -27,6 +27,9 @@ constexpr Exception kExceptions[] = {
     {"given_inputs.cpp", "objects", "the outside input that --objects gives, read before the stages run"},
     {"given_inputs.cpp", "sfm", "advice with its options, which an error about masks gives"},
     {"run_command.cpp", "decompose", "--grey-card is its option decompose.grey_card"},
+    {"run_command.cpp", "ingest", "--frames is its option ingest.frames"},
+    {"inspect_command.cpp", "ingest", "--frames is its option ingest.frames"},
+    {"mark_command.cpp", "ingest", "frames of films: the copies that ingest has made"},
     {"run_command.cpp", "export", "--scale-bar is its option export.scale_bar"},
     {"measures_in_photos.cpp", "ingest sfm decompose export", "the same two options; size and cameras of the photos"},
     // Commands of one program each, and the results that the program reads.

@@ -172,7 +172,9 @@ std::vector<std::string> film_input(const fs::path& film) {
 std::string film_program(std::string_view name) {
   if (const auto program = find_program(name)) return program->string();
   throw Error(ErrorKind::Dependency, fmt::format("films are read with {}, which is not installed", name),
-              {.hint = "apt-get install ffmpeg, or give photos without films", .code = "NO_FFMPEG"});
+              {.why = "no program of this name is in PATH",
+               .hint = "apt-get install ffmpeg, or give photos without films",
+               .code = "NO_FFMPEG"});
 }
 
 void throw_bad_film(const fs::path& film, std::string why, std::string hint) {

@@ -19,11 +19,11 @@ struct FilmReport {
   std::vector<std::string> notes;   // assumptions, parts without a sharp frame
   std::vector<std::string> damage;  // frames that cannot be decoded
   std::string failure;              // why none of its frames is used; empty otherwise
-  std::string sentence() const;     // "kettle.mp4: 60.1 s, 1920 x 1080: 96 of 1803 frames are used"
+  std::string sentence() const;     // "walk.mp4: 60.1 s, 1920 x 1080: 96 of 1803 frames are used"
 };
 
 struct FilmFrameReport {
-  std::string source;  // of the frame, as in PhotoFile: "kettle_004100.png", at 4.100 s
+  std::string source;  // of the frame, as in PhotoFile: "walk_004100.png", at 4.100 s
   size_t film = 0;     // index
   FrameTime time;
   double sharpness = 0, motion = 0;  // core/intake/film/film_track.h
