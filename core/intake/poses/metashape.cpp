@@ -75,18 +75,10 @@ ColmapCamera sensor_camera(const XmlFile& file, pugi::xml_node sensor) {
 
 // Cameras in file order, also those inside groups.
 std::vector<pugi::xml_node> cameras_below(pugi::xml_node list) {
-  std::vector<pugi::xml_node> out, open{list};
-  while (!open.empty()) {
-    const pugi::xml_node at = open.back();
-    open.pop_back();
-    if (std::string_view(at.name()) == "camera") {
-      out.push_back(at);
-      continue;
-    }
-    std::vector<pugi::xml_node> below;
-    for (const pugi::xml_node child : at.children()) below.push_back(child);
-    open.insert(open.end(), below.rbegin(), below.rend());
-  }
+  pugi::xpath_node_set found = list.select_nodes(".//camera");
+  found.sort();
+  std::vector<pugi::xml_node> out;
+  for (const pugi::xpath_node& camera : found) out.push_back(camera.node());
   return out;
 }
 

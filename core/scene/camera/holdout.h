@@ -1,4 +1,4 @@
-// Split of a capture into training and held-out views. Views cut from one panorama show the same things from one place: they are
+// Split of a capture into training and held-out views. Views cut from one panorama have one centre: they are
 // held out together. sfm/rigs.json of an sfm artifact lists them; it is missing without panoramas.
 #pragma once
 
