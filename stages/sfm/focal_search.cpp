@@ -9,7 +9,6 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/math/median.h"
 #include "stages/sfm/features.h"
-#include "stages/sfm/focal_groups.h"
 #include "stages/sfm/gains/bundle.h"
 #include "stages/sfm/mapping.h"
 #include "stages/sfm/sfm.h"
@@ -18,6 +17,8 @@ namespace vitrine {
 
 namespace {
 
+constexpr size_t kSmallestGroup = 3;  // photos
+constexpr double kApart = 1.15, kWithin = 1.10, kGroupedShare = 0.75;
 constexpr size_t kFewestMapped = 6;     // photos
 constexpr int kFirstSteps = 10;         // of the adjustment, before it is known whether it helps
 constexpr double kSuspicious = 0.9;     // of the error with common focal lengths
@@ -189,6 +190,39 @@ double error_of(const ColmapModel& model) {
 
 }  // namespace
 
+std::vector<FocalGroup> focal_groups(std::span<const double> focals) {
+  std::vector<size_t> order;
+  for (size_t i = 0; i < focals.size(); ++i)
+    if (focals[i] > 0) order.push_back(i);
+  std::ranges::stable_sort(order, {}, [&](size_t i) { return focals[i]; });
+  // Runs without a gap of half the distance between groups.
+  std::vector<FocalGroup> groups;
+  const double gap = std::sqrt(kApart);
+  for (size_t first = 0, i = 0; i < order.size(); ++i) {
+    if (i + 1 < order.size() && focals[order[i + 1]] <= gap * focals[order[i]]) continue;
+    if (i + 1 - first >= kSmallestGroup)
+      groups.push_back({focals[order[(first + i + 1) / 2]], {order.begin() + long(first), order.begin() + long(i) + 1}});
+    first = i + 1;
+  }
+  size_t grouped = 0;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (g > 0 && groups[g].focal < kApart * groups[g - 1].focal) return {};
+    const auto far = std::ranges::count_if(groups[g].members, [&](size_t i) {
+      return focals[i] > kWithin * groups[g].focal || kWithin * focals[i] < groups[g].focal;
+    });
+    if (4 * size_t(far) > groups[g].members.size()) return {};
+    grouped += groups[g].members.size();
+  }
+  if (groups.size() < 2 || double(grouped) < kGroupedShare * double(order.size())) return {};
+  for (const size_t i : order) {
+    const auto distance = [&](const FocalGroup& g) { return std::abs(std::log(focals[i] / g.focal)); };
+    const bool in_one = std::ranges::any_of(groups, [&](const FocalGroup& g) { return std::ranges::count(g.members, i) > 0; });
+    if (!in_one) std::ranges::min_element(groups, {}, distance)->members.push_back(i);
+  }
+  for (FocalGroup& g : groups) std::ranges::sort(g.members);
+  return groups;
+}
+
 std::string FocalSearch::text() const {
   std::vector<std::string> parts;
   for (const Group& g : groups) parts.push_back(fmt::format("{} photos of {:.0f} px", g.photos, g.focal_px));
@@ -236,6 +270,25 @@ FocalSearch cameras_by_focal(Colmap& colmap, const SfmConfig& config, Reconstruc
   out.groups.clear();
   if (out.error_own <= kContradiction * out.error_before) out.verdict = FocalVerdict::Unsorted;
   return out;
+}
+
+void report_focals(const FocalSearch& focals, StageContext& context) {
+  switch (focals.verdict) {
+    case FocalVerdict::One:
+      return;
+    case FocalVerdict::Several:
+      context.metric("focal_lengths", double(focals.groups.size()));
+      log_info("sfm: the photos have several focal lengths, a camera each: {} ({:.2f} px instead of {:.2f} before)",
+               focals.text(), focals.error_after, focals.error_before);
+      return;
+    case FocalVerdict::Unsorted:
+      context.warning(
+          "SFM_MIXED_FOCAL",
+          fmt::format("the photos contradict one focal length: with one for each photo the error falls from {:.2f} to "
+                      "{:.2f} px, but no groups of equal ones were found. Poses may be wrong: leave the zoom where it is, "
+                      "do not crop, or use the photos with their EXIF data",
+                      focals.error_before, focals.error_own));
+  }
 }
 
 }  // namespace vitrine

@@ -6,12 +6,24 @@
 // reprojection error must fall with no fewer photos.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "stages/sfm/reconstruct.h"
+#include "stages/stage.h"
 
 namespace vitrine {
+
+struct FocalGroup {
+  double focal = 0;             // median, pixels
+  std::vector<size_t> members;  // indices into the focal lengths given
+};
+
+// Groups of focal lengths (pixels, 0 = unknown), shortest first: of 3 or more members, most of them within 10 % of the median of
+// the group, and 15 % apart from each other; outliers belong to the nearest group, unknown ones to none. Empty: there are not two
+// groups, or less than three quarters of the known ones are in groups.
+std::vector<FocalGroup> focal_groups(std::span<const double> focals);
 
 enum class FocalVerdict {
   One,       // one focal length for each camera explains the photos, or there are too few points for a statement
@@ -35,5 +47,8 @@ struct FocalSearch {
 // are. Costs at most 10 steps of a bundle adjustment where one focal length explains the photos, else 30 and up to three
 // mappings.
 FocalSearch cameras_by_focal(Colmap& colmap, const SfmConfig& config, ReconstructDesc& desc, Reconstruction& together);
+
+// Log, metric and warning of the result.
+void report_focals(const FocalSearch& focals, StageContext& context);
 
 }  // namespace vitrine

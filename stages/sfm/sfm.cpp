@@ -142,27 +142,6 @@ void principal_points(ColmapModel& model, StageContext& context) {
     log_debug("sfm: a principal point {}: it stays in the middle", text);
 }
 
-// Reports the result of the search for several focal lengths.
-void report_focals(const FocalSearch& focals, StageContext& context) {
-  switch (focals.verdict) {
-    case FocalVerdict::One:
-      return;
-    case FocalVerdict::Several:
-      context.metric("focal_lengths", double(focals.groups.size()));
-      log_info(
-          "sfm: the photos have several focal lengths, a camera each: {} ({:.2f} px instead of {:.2f} with the cameras of EXIF)",
-          focals.text(), focals.error_after, focals.error_before);
-      return;
-    case FocalVerdict::Unsorted:
-      context.warning(
-          "SFM_MIXED_FOCAL",
-          fmt::format("the photos contradict one focal length: with one for each photo the error falls from {:.2f} to "
-                      "{:.2f} px, but no groups of equal ones were found. Poses may be wrong: leave the zoom where it is, "
-                      "do not crop, or use the photos with their EXIF data",
-                      focals.error_before, focals.error_own));
-  }
-}
-
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
   PosePixels pixels;

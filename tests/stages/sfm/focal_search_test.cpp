@@ -1,5 +1,5 @@
 // Focal lengths of single photos fall into groups only where a gap separates them clearly.
-#include "stages/sfm/focal_groups.h"
+#include "stages/sfm/focal_search.h"
 
 #include <gtest/gtest.h>
 
