@@ -213,7 +213,7 @@ TEST_F(GivenNames, BlendersFilesForTrainingAndTestAreJoinedForPhotosOfBoth) {
   transforms({"./test/r_0"}, top, "transforms_test.json");
   const std::vector photos{photo("train/r_0.png"), photo("train/r_1.png"), photo("test/r_0.png")};
   const GivenPoses given = given_poses(folder.path(), photos, 0);
-  EXPECT_EQ(names(given), (Names{"train/r_0.png", "train/r_1.png", "test/r_0.png"}));
+  EXPECT_EQ(names(given), (Names{"test/r_0.png", "train/r_0.png", "train/r_1.png"}));
   const auto is = [&](const char* text) {
     return std::any_of(given.notes.begin(), given.notes.end(), [&](const Note& n) { return n.text.find(text) != std::string::npos; });
   };
