@@ -100,7 +100,9 @@ Reading reading_of(const PoseFile& file, const PhotoFinder& finder, std::span<co
     for (const fs::path& part : file.joined) {
       const std::string name = part.filename().string();
       parts += (part == file.joined.back() ? " and " : ", ") + name;
-      for (TransformsFrame& frame : read_transforms_file(part).frames) {
+      TransformsFile more = read_transforms_file(part);
+      r.transforms.masks += more.masks;
+      for (TransformsFrame& frame : more.frames) {
         frame.place = name + ": " + frame.place;
         r.transforms.frames.push_back(std::move(frame));
       }
@@ -296,13 +298,15 @@ PictureSize assumed_size(const TransformsFrame& frame, const Photo& photo, size_
 // Masks that the frames name are not read with the poses: one class of masks changes the whole scene.
 void note_masks(Reading& r) {
   if (r.transforms.masks == 0) return;
-  const size_t there = files_of_mask_list(r.file.path).size();
+  size_t there = files_of_mask_list(r.file.path).size();
+  for (const fs::path& part : r.file.joined) there += files_of_mask_list(part).size();
+  const fs::path given = r.file.joined.empty() ? r.file.path : r.file.path.parent_path();  // a folder stands for all of its lists
   const std::string named =
       fmt::format("{} {} a mask (mask_path)", r.transforms.masks, r.transforms.masks == 1 ? "pose names" : "poses name");
   r.notes.push_back({std::string(kMasksNamed),
                      there == 0 ? named + ", and there are no such files"
                                 : fmt::format("{}; the masks are not used: --masks {} uses them as masks of the object", named,
-                                              r.file.path.string())});
+                                              given.string())});
 }
 
 ColmapModel posed_by_transforms(Reading& r, const std::vector<size_t>& used, std::span<const Photo> photos) {
