@@ -43,10 +43,14 @@ ColmapCamera upright_camera(const ColmapCamera& stored, int orientation) {
   if (two_focals && swaps_sides(orientation)) std::swap(camera.params[0], camera.params[1]);
   const size_t at = two_focals ? 2 : 1;
   camera.params[at] = centre.x, camera.params[at + 1] = centre.y;
-  if (model == "OPENCV" || model == "FULL_OPENCV") {
+  if (model == "OPENCV" || model == "FULL_OPENCV" || model == "THIN_PRISM_FISHEYE") {
     // Tangential distortion is r2 q + 2 d (q . d) with q = (p2, p1): q rotates with the picture. Radial distortion is invariant.
     const Vec3d q = upright_from_stored(orientation) * Vec3d{stored.params[7], stored.params[6], 0};
     camera.params[7] = q.x, camera.params[6] = q.y;
+  }
+  if (model == "THIN_PRISM_FISHEYE") {  // the prism shifts pixels by r2 (s1, s2)
+    const Vec3d s = upright_from_stored(orientation) * Vec3d{stored.params[10], stored.params[11], 0};
+    camera.params[10] = s.x, camera.params[11] = s.y;
   }
   return camera;
 }

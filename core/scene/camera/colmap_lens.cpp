@@ -37,6 +37,11 @@ bool has_two_focals(int model_id) {
   return false;
 }
 
+bool is_fisheye(int model_id) {
+  const ColmapCameraType* type = colmap_camera_type(model_id);
+  return type != nullptr && (type->name == "FOV" || type->name.find("FISHEYE") != std::string_view::npos);
+}
+
 ColmapCamera simplest_camera(ColmapCamera camera) {
   for (const Reduction& r : kReductions) {
     const ColmapCameraType* type = colmap_camera_type(camera.model_id);

@@ -8,6 +8,9 @@ namespace vitrine {
 // True if the parameters start with fx, fy, cx, cy; else with f, cx, cy.
 bool has_two_focals(int model_id);
 
+// True for fisheye models and FOV: photos may show directions at and beyond 90 degrees from the axis.
+bool is_fisheye(int model_id);
+
 // The camera in the simplest lens model that maps every direction to the same pixel. Models are reduced when their further
 // parameters are zero: FULL_OPENCV to OPENCV, OPENCV, FOV, DIVISION and EUCM to PINHOLE, RADIAL to SIMPLE_RADIAL, SIMPLE_RADIAL
 // and SIMPLE_DIVISION to SIMPLE_PINHOLE. Fisheye models stay: without distortion they are no pinhole cameras.

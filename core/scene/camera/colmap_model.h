@@ -111,8 +111,8 @@ void check_colmap_model(ColmapModel& model, const std::filesystem::path& where, 
 void transform_world(ColmapModel& model, const Similarity& new_from_old);
 
 // --- cameras --------------------------------------------------------------------------------------------------------
-// Pixel of the camera-frame direction (x, y, 1). Supported: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV and
-// FULL_OPENCV. Other models throw Error{Input} here, at use; colmap_lens.h reduces models whose further parameters are zero.
+// Pixel of the camera-frame direction (x, y, 1). Supported: SIMPLE_PINHOLE to FULL_OPENCV, FOV, fisheye up to
+// THIN_PRISM_FISHEYE. Other models throw Error{Input} here, at use; colmap_lens.h reduces models whose further parameters are zero.
 Vec2d project(const ColmapCamera& camera, const Vec2d& direction);
 // Inverse of project(): (x, y) of the direction (x, y, 1) at a pixel; nullopt where the distortion cannot be inverted.
 std::optional<Vec2d> unproject(const ColmapCamera& camera, const Vec2d& pixel);

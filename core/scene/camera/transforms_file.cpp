@@ -34,7 +34,8 @@ class Lookup {
 
 void refuse_other_lenses(const Lookup& in) {
   if (const auto fisheye = in.find("is_fisheye"); fisheye && fisheye->value().is_boolean() && fisheye->value().get<bool>())
-    fisheye->fail("the camera model is fisheye; supported are PINHOLE and OPENCV (k1, k2, p1, p2): undistort the photos first");
+    fisheye->fail("the camera model is fisheye; supported here are PINHOLE and OPENCV (k1, k2, p1, p2): give the COLMAP model of these cameras "
+                  "(sparse/0), whose fisheye models are read, or undistort the photos first");
   if (const auto model = in.find("camera_model")) {
     const std::string name = model->text();
     if (name != "OPENCV" && name != "PINHOLE" && name != "SIMPLE_PINHOLE" && name != "SIMPLE_RADIAL" && name != "RADIAL")

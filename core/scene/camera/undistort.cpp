@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/foundation/base/error.h"
+#include "core/scene/camera/colmap_lens.h"
 #include "core/scene/image/resample.h"
 
 namespace vitrine {
@@ -12,15 +13,34 @@ namespace {
 
 constexpr double kInvisible = 0.01;  // px, below the noise of SfM
 
-Vec2d landing(const ColmapCamera& camera, const Intrinsics& pinhole, const Vec2d& pixel) {
+constexpr double kWidest = 1.2;  // of fisheye lenses: tangent of the largest angle left, 50 degrees to each side
+
+[[noreturn]] void throw_folds(const ColmapCamera& camera, const Vec2d& pixel) {
+  throw Error(ErrorKind::Input, "the lens distortion cannot be removed",
+              {.where = fmt::format("camera {}", camera.id),
+               .why = fmt::format("its model folds over at pixel ({:.0f}, {:.0f})", pixel.x, pixel.y),
+               .hint = "--set sfm.camera_model=SIMPLE_RADIAL, or give undistorted photos with --poses",
+               .code = "SFM_BAD_DISTORTION"});
+}
+
+// Where a border pixel lands. Empty: a fisheye lens shows there what the undistorted picture leaves out.
+std::optional<Vec2d> landing(const ColmapCamera& camera, const Intrinsics& pinhole, const Vec2d& pixel) {
   const std::optional<Vec2d> d = unproject(camera, pixel);
-  if (!d)
-    throw Error(ErrorKind::Input, "the lens distortion cannot be removed",
-                {.where = fmt::format("camera {}", camera.id),
-                 .why = fmt::format("its model folds over at pixel ({:.0f}, {:.0f})", pixel.x, pixel.y),
-                 .hint = "--set sfm.camera_model=SIMPLE_RADIAL, or give undistorted photos with --poses",
-                 .code = "SFM_BAD_DISTORTION"});
-  return {d->x * pinhole.fx + pinhole.cx, d->y * pinhole.fy + pinhole.cy};
+  if (is_fisheye(camera.model_id) && !(d && std::max(std::abs(d->x), std::abs(d->y)) < kWidest)) return std::nullopt;
+  if (!d) throw_folds(camera, pixel);
+  return Vec2d{d->x * pinhole.fx + pinhole.cx, d->y * pinhole.fy + pinhole.cy};
+}
+
+// A fisheye model may fold over between the axis and the corners of the undistorted picture.
+void check_corners(const ColmapCamera& camera, const Intrinsics& target) {
+  constexpr double kSame = 1e-6;
+  for (const int x : {0, target.width})
+    for (const int y : {0, target.height}) {
+      const Vec3d ray = target.ray(x, y);
+      const Vec2d pixel = project(camera, {ray.x, ray.y});
+      const std::optional<Vec2d> back = unproject(camera, pixel);
+      if (!back || std::hypot(back->x - ray.x, back->y - ray.y) > kSame) throw_folds(camera, pixel);
+    }
 }
 
 }  // namespace
@@ -30,20 +50,24 @@ Undistortion undistortion(const ColmapCamera& camera) {
   if (u.identity) return u;
   const Intrinsics pinhole = u.target;
   const double w = pinhole.width, h = pinhole.height;
-  double left = -1e9, right = 1e9, top = -1e9, bottom = 1e9, moved = 0;
-  const auto note = [&](const Vec2d& from) {
-    const Vec2d to = landing(camera, pinhole, from);
-    moved = std::max(moved, std::hypot(to.x - from.x, to.y - from.y));
-    return to;
+  const bool fisheye = is_fisheye(camera.model_id);
+  const double reach_x = fisheye ? kWidest * pinhole.fx : 1e9, reach_y = fisheye ? kWidest * pinhole.fy : 1e9;
+  double left = pinhole.cx - reach_x, right = pinhole.cx + reach_x, top = pinhole.cy - reach_y, bottom = pinhole.cy + reach_y;
+  double moved = fisheye ? 1 : 0;
+  const auto note = [&](const Vec2d& from, auto&& limit) {
+    const std::optional<Vec2d> to = landing(camera, pinhole, from);
+    if (!to) return;
+    moved = std::max(moved, std::hypot(to->x - from.x, to->y - from.y));
+    limit(*to);
   };
   // The borders are smooth curves: sampling them at pixel steps is sufficient.
   for (int i = 0; i <= pinhole.height; ++i) {
-    left = std::max(left, note({0, double(i)}).x);
-    right = std::min(right, note({w, double(i)}).x);
+    note({0, double(i)}, [&](const Vec2d& to) { left = std::max(left, to.x); });
+    note({w, double(i)}, [&](const Vec2d& to) { right = std::min(right, to.x); });
   }
   for (int i = 0; i <= pinhole.width; ++i) {
-    top = std::max(top, note({double(i), 0}).y);
-    bottom = std::min(bottom, note({double(i), h}).y);
+    note({double(i), 0}, [&](const Vec2d& to) { top = std::max(top, to.y); });
+    note({double(i), h}, [&](const Vec2d& to) { bottom = std::min(bottom, to.y); });
   }
   if (moved < kInvisible) {
     u.identity = true;
@@ -59,6 +83,7 @@ Undistortion undistortion(const ColmapCamera& camera) {
                  .hint = "--set sfm.camera_model=SIMPLE_PINHOLE",
                  .code = "SFM_BAD_DISTORTION"});
   u.target = {x1 - x0, y1 - y0, pinhole.fx, pinhole.fy, pinhole.cx - x0, pinhole.cy - y0};
+  if (fisheye) check_corners(camera, u.target);
   return u;
 }
 

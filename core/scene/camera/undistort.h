@@ -2,6 +2,7 @@
 // moves the principal point by whole pixels only. The crop is the largest inner rectangle without black borders: with u(p) the
 // undistorted position of pixel p,
 //   left = max over the left border of u.x, right = min over the right border, top and bottom alike.
+// Of fisheye lenses at most 50 degrees to each side of the axis are left.
 #pragma once
 
 #include "core/scene/camera/colmap_model.h"

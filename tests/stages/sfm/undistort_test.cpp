@@ -72,6 +72,35 @@ TEST(Undistortion, LeavesNoBlackBorderAndWastesLittle) {
   }
 }
 
+TEST(Undistortion, OfFisheyePhotosLeavesWhatAPinholeCameraSeesUpTo50Degrees) {
+  const double kReach = std::tan(50.3 / 57.29578);
+  for (const auto& [camera, limited] :
+       {std::pair{ColmapCamera{1, 5, 400, 300, {260, 262, 203, 149, 0.03, -0.01, 0.002, 0}}, false},
+        {ColmapCamera{2, 7, 400, 300, {260, 262, 203, 149, 0.9}}, false},
+        {ColmapCamera{3, 10, 400, 300, {260, 262, 203, 149, 0.03, 0, 2e-3, 1e-3, 0, 0, 1e-3, 0}}, false},
+        {ColmapCamera{4, 8, 400, 400, {120, 200, 200, 0.01}}, true}}) {  // 190 degrees
+    ImageF photo(int(camera.width), int(camera.height), 3, 0.f);
+    for (int y = 0; y < photo.height(); ++y)
+      for (int x = 0; x < photo.width(); ++x)
+        if (const std::optional<Vec2d> d = unproject(camera, {x + 0.5, y + 0.5})) pattern(d->x, d->y, photo.pixel(x, y));
+    const Undistortion u = undistortion(camera);
+    EXPECT_FALSE(u.identity);
+    const ImageF straight = undistorted(photo, u);
+    double worst = 0, widest = 0;
+    for (int y = 2; y < straight.height() - 2; ++y)
+      for (int x = 2; x < straight.width() - 2; ++x) {
+        float expected[3];
+        const Vec3d ray = u.target.ray(x + 0.5, y + 0.5);
+        widest = std::max({widest, std::abs(ray.x), std::abs(ray.y)});
+        pattern(ray.x, ray.y, expected);
+        for (int c = 0; c < 3; ++c) worst = std::max(worst, double(std::abs(expected[c] - straight.at(x, y, c))));
+      }
+    EXPECT_LT(worst, limited ? 0.02 : 4e-3) << camera.id;  // the wide lens has half as many pixels a radian
+    EXPECT_LT(widest, kReach) << camera.id;
+    if (limited) EXPECT_GT(widest, 1.15) << "a lens of 190 degrees reaches the limit";
+  }
+}
+
 TEST(Undistortion, CopiesWhenTheLensIsStraight) {
   EXPECT_TRUE(undistortion({1, 1, 640, 480, {600, 600, 320, 240}}).identity);
   EXPECT_TRUE(undistortion({1, 2, 640, 480, {600, 320, 240, 1e-6}}).identity);

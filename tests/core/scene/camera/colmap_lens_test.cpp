@@ -70,5 +70,10 @@ TEST(FullOpenCv, IsOpenCvsRationalModelAndIsInverted) {
   EXPECT_FALSE(unproject(camera("FULL_OPENCV", {600, 590, 330, 225, 0, 0, 0, 0, 0, -9, 0, 0}), {330, 1e6}));
 }
 
+TEST(FisheyeModels, AreThoseWithTheWordAndFov) {
+  EXPECT_TRUE(is_fisheye(5) && is_fisheye(7) && is_fisheye(8) && is_fisheye(10));
+  EXPECT_FALSE(is_fisheye(1) || is_fisheye(4) || is_fisheye(6) || is_fisheye(-1));
+}
+
 }  // namespace
 }  // namespace vitrine

@@ -251,10 +251,43 @@ TEST(ColmapCamera, FollowsTheFormulasOfTheModels) {
   EXPECT_NEAR(opencv.y, 240 + 510 * (v + 2 * 0.02 * u * v + 0.01 * (r2 + 2 * v * v)), 1e-12);
 }
 
-TEST(ColmapCamera, RefusesFisheyeAtUseAndDirectionsBeyondTheFold) {
-  const ColmapCamera fisheye{1, 5, 640, 480, std::vector<double>(8, 0.5)};
-  EXPECT_THROW(project(fisheye, {0, 0}), Error);
-  EXPECT_THROW(unproject(fisheye, {0, 0}), Error);
+TEST(ColmapCamera, FisheyeModelsFollowTheAngleFromTheAxisAndAreInvertedUpTo85Degrees) {
+  const double theta = 0.9, azimuth = 0.7, t2 = theta * theta;
+  const Vec2d along{std::cos(azimuth), std::sin(azimuth)}, d = std::tan(theta) * along;
+  const Vec2d opencv = project({1, 5, 640, 480, {300, 310, 320, 240, 0.1, -0.02, 0.003, -0.0004}}, d);
+  const double scaled = theta * (1 + 0.1 * t2 - 0.02 * t2 * t2 + 0.003 * t2 * t2 * t2 - 0.0004 * t2 * t2 * t2 * t2);
+  EXPECT_NEAR(opencv.x, 320 + 300 * scaled * along.x, 1e-9);
+  EXPECT_NEAR(opencv.y, 240 + 310 * scaled * along.y, 1e-9);
+  const Vec2d fov = project({1, 7, 640, 480, {300, 310, 320, 240, 0.9}}, d);
+  EXPECT_NEAR(fov.x, 320 + 300 * std::atan(2 * std::tan(theta) * std::tan(0.45)) / 0.9 * along.x, 1e-9);
+  const double u = theta * along.x, v = theta * along.y;
+  const Vec2d prism = project({1, 10, 640, 480, {300, 310, 320, 240, 0, 0, 0.01, 0.02, 0, 0, 0.003, -0.004}}, d);
+  EXPECT_NEAR(prism.x, 320 + 300 * (u + 2 * 0.01 * u * v + 0.02 * (t2 + 2 * u * u) + 0.003 * t2), 1e-9);
+  EXPECT_NEAR(prism.y, 240 + 310 * (v + 2 * 0.02 * u * v + 0.01 * (t2 + 2 * v * v) - 0.004 * t2), 1e-9);
+
+  for (const ColmapCamera& camera :
+       {ColmapCamera{1, 5, 640, 480, {300, 310, 320, 240, 0.05, -0.01, 0.002, -0.0003}},
+        ColmapCamera{2, 7, 640, 480, {300, 310, 320, 240, 0.9}}, ColmapCamera{3, 8, 640, 480, {300, 320, 240, 0.04}},
+        ColmapCamera{4, 9, 640, 480, {300, 320, 240, 0.04, -0.01}},
+        ColmapCamera{5, 10, 640, 480, {300, 310, 320, 240, 0.03, 0.01, 0.001, -0.002, 0, 0, 1e-3, 2e-3}}}) {
+    EXPECT_TRUE(is_distorted(camera));
+    EXPECT_EQ(pinhole_part(camera).cx, 320);
+    for (double angle = 0; angle < 85; angle += 7)
+      for (double turn = 0; turn < 6.2; turn += 0.9) {
+        const Vec2d from = std::tan(angle / 57.29578) * Vec2d{std::cos(turn), std::sin(turn)};
+        const std::optional<Vec2d> back = unproject(camera, project(camera, from));
+        ASSERT_TRUE(back) << camera.id << " " << angle;
+        EXPECT_LT(std::hypot(back->x - from.x, back->y - from.y), 1e-7 * (1 + from.x * from.x + from.y * from.y))
+            << camera.id << " " << angle;
+      }
+  }
+  EXPECT_FALSE(unproject({1, 8, 640, 480, {200, 320, 240, 0}}, {320 + 200 * 1.58, 240})) << "behind the camera";
+}
+
+TEST(ColmapCamera, RefusesUnknownLensesAtUseAndDirectionsBeyondTheFold) {
+  const ColmapCamera unknown{1, 11, 640, 480, std::vector<double>(16, 0.5)};
+  EXPECT_THROW(project(unknown, {0, 0}), Error);
+  EXPECT_THROW(unproject(unknown, {0, 0}), Error);
   // r (1 - 0.5 r^2) never exceeds 0.544: pixels beyond f * 0.544 from the centre are images of nothing.
   const ColmapCamera barrel{1, 2, 640, 480, {500, 320, 240, -0.5}};
   EXPECT_TRUE(unproject(barrel, {320 + 500 * 0.54, 240}));
