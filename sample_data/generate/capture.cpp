@@ -25,27 +25,34 @@ Ray camera_ray(const View& view, const Rigid& world_from_cam, double px, double 
 
 }  // namespace
 
-ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, const View& view, int samples, uint64_t key) {
-  const Rigid world_from_cam = inverse(view.cam_from_world);
-  ImageF picture(view.intrinsics.width, view.intrinsics.height, 3);
+ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, int width, int height, int samples, uint64_t key,
+                const RayOfPixel& ray_of) {
+  ImageF picture(width, height, 3);
   parallel_for(picture.pixel_count(), 64, [&](size_t index) {
     const int x = static_cast<int>(index % static_cast<size_t>(picture.width()));
     const int y = static_cast<int>(index / static_cast<size_t>(picture.width()));
     // Blurred reflections of the sun are what is left of the noise: metal gets more samples.
-    const Ray middle = camera_ray(view, world_from_cam, x + 0.5, y + 0.5);
+    const CameraRay middle = ray_of(x + 0.5, y + 0.5);
     const std::optional<Hit> hit = integrator.rays().first_hit(middle.origin, middle.direction, false);
     const int count = hit && hit->part->material.kind == MaterialKind::Metal ? kMetalFactor * samples : samples;
     Vec3f sum{};
     for (int s = 0; s < count; ++s) {
       Sampler sampler(mix64(key, index), static_cast<uint32_t>(s));
       const Vec2f u = sampler.pair();
-      const Ray ray =
-          camera_ray(view, world_from_cam, x + 0.5 + static_cast<double>(tent(u.x)), y + 0.5 + static_cast<double>(tent(u.y)));
+      const CameraRay ray = ray_of(x + 0.5 + static_cast<double>(tent(u.x)), y + 0.5 + static_cast<double>(tent(u.y)));
       sum += integrator.radiance(ray.origin, ray.direction, cache, sampler);
     }
     for (int c = 0; c < 3; ++c) picture.at(x, y, c) = sum[static_cast<size_t>(c)] / static_cast<float>(count);
   });
   return picture;
+}
+
+ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, const View& view, int samples, uint64_t key) {
+  const Rigid world_from_cam = inverse(view.cam_from_world);
+  return rendered(integrator, cache, view.intrinsics.width, view.intrinsics.height, samples, key, [&](double x, double y) {
+    const Ray ray = camera_ray(view, world_from_cam, x, y);
+    return CameraRay{ray.origin, ray.direction};
+  });
 }
 
 SurfacePictures first_surface(const RayScene& rays, const View& view) {

@@ -1,13 +1,22 @@
 // Pictures of a scene: radiance through a pixel filter, the first surface at the pixel centres, and the sensor behind it.
 #pragma once
 
+#include <functional>
+
 #include "core/scene/image/image.h"
 #include "sample_data/generate/integrator.h"
 
 namespace vitrine::generate {
 
+struct CameraRay {
+  Vec3f origin, direction;
+};
+using RayOfPixel = std::function<CameraRay(double x, double y)>;
+
 // Tent filter of radius one pixel; `key` separates the random numbers of views and lightings.
 ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, const View& view, int samples, uint64_t key);
+ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, int width, int height, int samples, uint64_t key,
+                const RayOfPixel& ray_of);
 
 struct SurfacePictures {  // one sample at every pixel centre; 0 where nothing was hit
   ImageF zdepth;          // [h,w,1] first surface, the glass counts

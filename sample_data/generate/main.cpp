@@ -6,13 +6,14 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/config/cli.h"
+#include "sample_data/generate/panoramas.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
 
 int main(int argc, char** argv) {
   using namespace vitrine;
   using namespace vitrine::generate;
-  std::string folder, size, only;
+  std::string folder, size, only, camera;
   int views = 0, threads = 0, seed = 0;
   bool help = false, bracket = false;
   GenerateDesc desc;
@@ -25,6 +26,8 @@ int main(int argc, char** argv) {
   cli.value("spp", 0, "N", desc.samples, 1, "Samples of a pixel; the scene's own number when not given.");
   cli.value("views", 0, "N", views, 1, "Only the first N views.");
   cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
+  cli.value("camera", 0, "pinhole|equirect", camera,
+            "equirect: 360-degree panoramas at the places of the views; --size WxH is 2:1.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
   cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
   cli.flag("bracket", 0, bracket, "Exposure (+-1.5 EV) and white balance (+-800 K) of its own for each photo.");
@@ -55,6 +58,13 @@ int main(int argc, char** argv) {
       resize_views(scene, w, h);
     }
     if (bracket) bracket_gains(scene);
+    if (camera_kind(camera) == CameraKind::Equirect) {
+      const Intrinsics& k = scene.views.front().intrinsics;
+      if (!size.empty() && k.width != 2 * k.height)
+        throw Error(ErrorKind::Usage, "panoramas are twice as wide as high",
+                    {.where = size, .hint = "for example --size 1024x512", .code = "USAGE"});
+      replace_by_panoramas(scene, size.empty() ? 0 : k.width);
+    }
     generate::generate(scene, folder, desc);
   } catch (const Error& error) {
     log_error("{}", error.what());

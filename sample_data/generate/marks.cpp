@@ -6,6 +6,7 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/rng.h"
+#include "core/scene/camera/panorama_views.h"
 #include "core/scene/camera/projection.h"
 
 namespace vitrine::generate {
@@ -56,7 +57,7 @@ void write_marks(const Scene& scene, const std::filesystem::path& file) {
   for (const auto& [name, thing] : things) {
     std::vector<PhotoBox> whole;
     for (size_t v = 0; v < scene.views.size(); ++v)
-      if (!is_heldout(v, kHeldOutEvery))
+      if (!is_heldout(scene.panoramas.empty() ? v : v / kPanoramaViews, kHeldOutEvery))
         if (const auto box = box_of(thing, scene, v)) whole.push_back(*box);
     if (whole.size() < kMarked) continue;
     for (size_t m = 0; m < kMarked; ++m) {

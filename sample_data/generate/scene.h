@@ -45,6 +45,13 @@ struct CacheDesc {
   int passes = 3;                                      // diffuse bounces
 };
 
+// A picture of all directions (core/scene/camera/equirect.h).
+struct Panorama {
+  std::string name;
+  Rigid cam_from_world;
+  Vec3d gain{1, 1, 1};
+};
+
 struct Scene {
   std::string name;
   std::vector<Part> parts;
@@ -52,6 +59,8 @@ struct Scene {
   Environment environment;               // truth/env/captured.exr
   std::vector<NamedEnvironment> others;  // truth/relit
   std::vector<View> views;               // names are file names of photos/
+  std::vector<Panorama> panoramas;       // not empty: the photos, from which `views` are cut (panoramas.h)
+  int panorama_width = 0;
   std::vector<Vec3f> probes;             // points of the scene from which the sampling of the environment is planned
   SensorDesc sensor;
   int samples = 64;                                  // per pixel of a photo; a power of two suits the sampler

@@ -16,6 +16,7 @@
 #include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
 #include "sample_data/generate/marks.h"
+#include "sample_data/generate/panoramas.h"
 
 namespace vitrine::generate {
 namespace {
@@ -43,6 +44,8 @@ IrradianceCache solved(const RayScene& rays, const Integrator& integrator, const
 void shorten_mantissas(ImageF& image) {
   for (float& value : image.data()) value = std::bit_cast<float>((std::bit_cast<uint32_t>(value) + 0x80u) & 0xffffff00u);
 }
+
+constexpr const char* kSurfaceFolders[] = {"depth", "normal", "mask/object", "mask/transparent", "mask/specular", "mask/coated"};
 
 View at_size(View view, int divisor) {
   view.intrinsics = view.intrinsics.scaled_to(view.intrinsics.width / divisor, view.intrinsics.height / divisor);
@@ -111,6 +114,8 @@ void write_environment(const fs::path& path, const Environment& environment) {
 }
 
 void write_surface(const RayScene& rays, const View& view, const fs::path& truth, bool full, int divisor) {
+  for (const char* sub : kSurfaceFolders) make_folders((truth / sub / view.stem()).parent_path());
+  if (full) make_folders((truth / "albedo" / view.stem()).parent_path());
   SurfacePictures s = first_surface(rays, view);
   for (const auto& [name, mask] :
        {std::pair{"object", &s.object}, {"transparent", &s.transparent}, {"specular", &s.specular}, {"coated", &s.coated}})
@@ -130,9 +135,7 @@ bool has_glass(const Scene& scene) {
 
 void write_geometry(const RayScene& rays, const fs::path& truth, bool full) {
   const Scene& scene = rays.scene();
-  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular", "mask/coated"})
-    make_folders(truth / sub);
-  if (full) make_folders(truth / "albedo");
+  make_folders(truth);
   write_transforms_json(truth / "transforms.json", scene.views, "photos");
   write_meshes(rays, truth, full);
   write_environment(truth / "env" / "captured.exr", scene.environment);
@@ -190,13 +193,22 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     make_folders(folder / "photos");
     const Integrator integrator(rays, {environment, scene.lamps});
     const IrradianceCache cache = solved(rays, integrator, scene.cache);
-    for (size_t i = 0; i < scene.views.size(); ++i) {
-      const View& view = scene.views[i];
-      const ImageF radiance = rendered(integrator, &cache, view, samples, mix64(kPhoto, i));
-      write_ldr(folder / "photos" / view.name, developed(radiance, view.gain, scene.sensor, mix64(kSensor, i)),
-                scene.sensor.jpeg_quality);
-      log_info("{}: photos/{}", scene.name, view.name);
+    const auto write = [&](const std::string& name, const Vec3d& gain, const ImageF& radiance, size_t i) {
+      const Image8 picture = developed(radiance, gain, scene.sensor, mix64(kSensor, i));
+      const fs::path path = folder / "photos" / name;
+      if (scene.panoramas.empty())
+        write_ldr(path, picture, scene.sensor.jpeg_quality);
+      else
+        write_panorama(path, picture, scene.sensor.jpeg_quality);
+      log_info("{}: photos/{}", scene.name, name);
+    };
+    for (size_t i = 0; i < scene.panoramas.size(); ++i) {
+      const Panorama& p = scene.panoramas[i];
+      write(p.name, p.gain,
+            rendered_panorama(integrator, &cache, p.cam_from_world, scene.panorama_width, samples, mix64(kPhoto, i)), i);
     }
+    for (size_t i = 0; scene.panoramas.empty() && i < scene.views.size(); ++i)
+      write(scene.views[i].name, scene.views[i].gain, rendered(integrator, &cache, scene.views[i], samples, mix64(kPhoto, i)), i);
   }
   if (!desc.relit) return;
   const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, float factor, Stream stream) {
@@ -205,6 +217,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     const int count = std::max(1, static_cast<int>(std::lround(factor * static_cast<float>(samples))));
     for (size_t i = 0; i < scene.views.size(); i += static_cast<size_t>(desc.full_truth ? 1 : every)) {
       const View view = at_size(scene.views[i], full ? 1 : 2);
+      make_folders((to / view.stem()).parent_path());
       write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, count, mix64(stream, i)));
       log_info("{}: {}/{}", scene.name, to.filename().string(), view.stem());
     }

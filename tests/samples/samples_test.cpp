@@ -9,12 +9,15 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
+#include "core/intake/photos/panorama.h"
+#include "core/scene/camera/panorama_views.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/metrics.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
+#include "sample_data/generate/panoramas.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
 
@@ -51,6 +54,33 @@ TEST(Generate, CachedLightAgreesWithPlainPathTracing) {
   for (const float v : quick.data()) quick_sum += static_cast<double>(v);
   for (const float v : plain.data()) plain_sum += static_cast<double>(v);
   EXPECT_NEAR(quick_sum / plain_sum, 1.0, 0.035);  // worst seen: 0.023
+}
+
+TEST(Generate, PanoramasShowWhatTheirPinholeViewsShow) {
+  Scene scene = scene_named("tiny_room");
+  scene.views.resize(2);
+  const Vec3d eye = scene.views[1].centre_in_world();
+  replace_by_panoramas(scene, 256);
+  ASSERT_EQ(scene.views.size(), 2u * kPanoramaViews);
+  EXPECT_EQ(scene.views[13].name, "img_0001/view_03.jpg");
+  for (const View& view : scene.views)
+    if (view.name.starts_with("img_0001")) EXPECT_LT(length(view.centre_in_world() - eye), 1e-9);
+  EXPECT_LT(std::abs(transposed_times(scene.panoramas[1].cam_from_world.rotation, Vec3d{0, 1, 0}).z + 1), 1e-9) << "level";
+
+  const RayScene rays(scene);
+  const Integrator integrator(rays, {scene.environment, scene.lamps});
+  IrradianceCache cache(scene);
+  integrator.solve_irradiance(cache, {.direct_samples = 8, .gather_samples = 4, .passes = 1});
+  const ImageF panorama = rendered_panorama(integrator, &cache, scene.panoramas[1].cam_from_world, 256, 4, 1);
+  const View& view = scene.views[13];
+  const ImageF cut = panorama_view(EquirectSampler(panorama), 3, view.intrinsics, panorama_view_rotation(3)),
+               direct = rendered(integrator, &cache, view, 4, 2);
+  EXPECT_GT(psnr(srgb_from_linear_image(cut), srgb_from_linear_image(direct)), 25);
+
+  const TemporaryFolder folder;
+  write_panorama(folder.path() / "a.jpg", srgb8_from_linear(panorama), 90);
+  EXPECT_EQ(parse_gpano(read_file(folder.path() / "a.jpg")).projection, "equirectangular");
+  EXPECT_EQ(read_srgb8(folder.path() / "a.jpg").width(), 256);
 }
 
 TEST(Generate, MetalReflectsTheWhiteFurnaceWithoutGain) {
