@@ -7,6 +7,7 @@
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
 #include "tests/core/intake/poses/program_files.h"
+#include "tests/support/rgba_png.h"
 #include "tests/support/tiny_photos.h"
 #include "tests/support/vitrine_process.h"
 
@@ -212,17 +213,23 @@ TEST_F(BroughtInputs, MasksBesideThePhotosAreNoPhotos) {
 }
 
 TEST_F(BroughtInputs, MapsAndCutOutsBesideThePhotosAreNoPhotos) {
-  Image8 ramp(kWidth, kHeight, 1), few(kWidth, kHeight, 1), cut(kWidth, kHeight, 4);
+  Image8 ramp(kWidth, kHeight, 1), few(kWidth, kHeight, 1);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       ramp.at(x, y, 0) = uint8_t(255 * y / kHeight);
       few.at(x, y, 0) = uint8_t(3 * x / kWidth);
-      for (int c = 0; c < 4; ++c) cut.at(x, y, c) = 60 < y && y < 180 ? 200 : 0;
     }
   for (const View& v : views) {
     write_ldr(photos() / (v.stem() + "_depth.png"), ramp);
     write_ldr(photos() / (v.stem() + "_conf.png"), few);
-    write_file(photos() / (v.stem() + "_nobg.tif"), test::tagged_tiff(cut, ""));
+    const Image8 photo = read_srgb8(photos() / v.name);
+    Image8 cut(kWidth, kHeight, 4);
+    for (int y = 61; y < 180; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        for (int c = 0; c < 3; ++c) cut.at(x, y, c) = photo.at(x, y, c);
+        cut.at(x, y, 3) = 255;
+      }
+    test::write_rgba_png(photos() / (v.stem() + "_nobg.png"), cut);
   }
   const Answer run = ran({photos().string()}, "ingest"), look = inspected({photos().string()});
   EXPECT_EQ(run.exit, 0) << run.text;
