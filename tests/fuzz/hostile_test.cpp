@@ -59,7 +59,7 @@ TEST_F(Hostile, ALensWithTwoParametersIsRefusedBeforeItIsScaled) {
   for (uint32_t i = 0; i < 2; ++i) model.images.push_back({i + 1, {}, {}, 1, fmt::format("{}.png", i), {}});
   make_folders(folder.path() / "model");
   write_colmap_model(folder.path() / "model", model, ColmapFormat::Binary);
-  EXPECT_EQ(error_of([&] { read_given_poses(folder.path() / "model", photos(), 0); }).detail().code, "CAMERA_MODEL_UNSUPPORTED");
+  EXPECT_EQ(error_of([&] { read_given_poses(folder.path() / "model", photos(), 0); }).detail().code, "CAMERA_MODEL_PANORAMA");
 }
 
 // Names of photos are only compared with those of the capture: what is written afterwards is called like a photo.

@@ -21,11 +21,11 @@ struct Ceiling {
   const char* folder;
   size_t lines, private_words;
 };
-constexpr Ceiling kCeilings[] = {{"core/foundation", 5650, 0}, {"core/scene", 13350, 3},  {"core/intake", 6900, 35},
+constexpr Ceiling kCeilings[] = {{"core/foundation", 5750, 0}, {"core/scene", 14000, 3},  {"core/intake", 9950, 36},
                                  {"core/observe", 5550, 0},    {"core/render", 12800, 0}, {"core/learn", 3650, 0},
-                                 {"stages", 30050, 38},        {"pipeline", 6800, 1}};
+                                 {"stages", 32250, 35},        {"pipeline", 6950, 0}};
 constexpr size_t kSmallFileLines = 40;
-constexpr size_t kMostSmallFiles = 92, kMostConstants = 1226, kMostQuestionHeaders = 0;
+constexpr size_t kMostSmallFiles = 104, kMostConstants = 1306, kMostQuestionHeaders = 0;
 
 // Standard terms for them stand in the glossary of core/README.md.
 constexpr std::array<std::string_view, 22> kPrivateWords{

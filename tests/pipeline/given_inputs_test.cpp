@@ -180,6 +180,7 @@ TEST_F(GivenInputs, MasksOfOtherPhotosEndTheRunAtOnceUnlessTheyAreNotUsed) {
 
 // The libraries of the codecs find no address space: not a fault of the build.
 TEST_F(GivenInputs, TooLittleAddressSpaceIsNamedAsThat) {
+  write_ldr(photos / "picture.png", Image8(64, 48, 3, 90));  // its codec is loaded when it is read
   const std::string program = (fs::path(VITRINE_BIN_DIR) / "vitrine-ingest").string(), out = (folder.path() / "out").string();
   Answer a;
   const ProcessResult r = run_process({.arguments = {"bash", "-c", "ulimit -v 200000; exec \"$@\"", "bash", program, "--input",
