@@ -61,6 +61,19 @@ std::optional<ScaleBarMark> parse_mark(std::string_view text) {
   return mark;
 }
 
+// "x,y,z"
+std::optional<std::array<double, 3>> parse_point(std::string_view text) {
+  std::array<double, 3> point{};
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (size_t c = 0; c < 3; ++c) {
+    if (c > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto [next, error] = std::from_chars(at, end, point[c]);
+    if (error != std::errc() || !std::isfinite(point[c])) return std::nullopt;
+    at = next;
+  }
+  return at == end ? std::optional(point) : std::nullopt;
+}
+
 }  // namespace
 
 ScaleBar parse_scale_bar(const std::string& text) {
@@ -99,6 +112,36 @@ ScaleBar parse_scale_bar(const std::string& text) {
   }
   if (bar.marks.size() < 2) throw fail("its ends must be marked in two photos at least");
   return bar;
+}
+
+double ScalePoints::scene_units() const { return std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]); }
+
+ScalePoints parse_scale_points(const std::string& text) {
+  const auto fail = [&](std::string why) {
+    return Error(
+        ErrorKind::Usage, "the scale points cannot be read",
+        {.where = text,
+         .why = std::move(why),
+         .hint = "two points of the scene and the length between them: \"0.12,-0.4,0.3 0.5,0.1,0.3 24cm\"; `vitrine view` "
+                 "writes this text (Measure)",
+         .code = "SCALE_POINTS"});
+  };
+  std::string_view rest = trimmed(text);
+  ScalePoints points;
+  for (std::array<double, 3>* point : {&points.a, &points.b}) {
+    const size_t end = std::min(rest.find_first_of(kSpaces), rest.size());
+    const auto read = parse_point(rest.substr(0, end));
+    if (!read) throw fail(fmt::format("\"{}\" is not x,y,z with three finite numbers", rest.substr(0, end)));
+    *point = *read;
+    rest = trimmed(rest.substr(end));
+  }
+  const auto length = parse_length(rest);
+  if (!length || !length->has_unit)
+    throw fail(fmt::format("the length must be a number above zero with the unit m, cm or mm, got \"{}\"", rest));
+  points.length_m = length->metres;
+  const double units = points.scene_units();
+  if (!(units > 0) || !std::isfinite(units)) throw fail("the points are equal, or absurdly far apart");
+  return points;
 }
 
 }  // namespace vitrine

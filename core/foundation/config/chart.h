@@ -1,6 +1,7 @@
 // User-given measures in photos: a box, a length, a scale bar.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -44,5 +45,17 @@ struct ScaleBar {
 
 // Names may contain spaces, commas and colons. Throws Error{Usage, SCALE_BAR}.
 ScaleBar parse_scale_bar(const std::string& text);
+
+// Two points of the scene, in its own frame and unit, and the length between them: "0.12,-0.4,0.3 0.5,0.1,0.3 24cm", as the page
+// of `vitrine view` writes it.
+struct ScalePoints {
+  std::array<double, 3> a{}, b{};
+  double length_m = 0;
+
+  double scene_units() const;  // positive
+};
+
+// Throws Error{Usage, SCALE_POINTS}: wrong syntax, a coordinate that is not finite, equal points, a length without a unit.
+ScalePoints parse_scale_points(const std::string& text);
 
 }  // namespace vitrine

@@ -64,5 +64,29 @@ TEST(ScaleBarText, SaysWhatIsWrong) {
               "\"" + std::string(mark) + "\" is not photo:x1,y1,x2,y2 with four numbers, none below zero");
 }
 
+TEST(ScalePointsText, ReadsPointsAndLength) {
+  const ScalePoints points = parse_scale_points(" 0.5,-1e-1,2  0.5,0.2,2.4 25cm ");
+  EXPECT_EQ(points.a, (std::array<double, 3>{0.5, -0.1, 2}));
+  EXPECT_EQ(points.b, (std::array<double, 3>{0.5, 0.2, 2.4}));
+  EXPECT_DOUBLE_EQ(points.length_m, 0.25);
+  EXPECT_DOUBLE_EQ(points.scene_units(), 0.5);
+}
+
+TEST(ScalePointsText, RefusesTheRestWithTheReason) {
+  const auto why = [](const std::string& text) {
+    const Error e = error_of([&] { parse_scale_points(text); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << text;
+    EXPECT_EQ(e.detail().code, "SCALE_POINTS") << text;
+    return e.detail().why;
+  };
+  for (const char* bad :
+       {"", "1,2 3,4,5 1m", "1,2,3,4 3,4,5 1m", "1,2,x 3,4,5 1m", "nan,2,3 3,4,5 1m", "1,inf,3 3,4,5 1m", "1,2,3"})
+    EXPECT_NE(why(bad).find("is not x,y,z"), std::string::npos) << bad;
+  for (const char* bad : {"1,2,3 3,4,5", "1,2,3 3,4,5 1", "1,2,3 3,4,5 0cm", "1,2,3 3,4,5 -1m", "1,2,3 3,4,5 1m 2m"})
+    EXPECT_NE(why(bad).find("the length must be"), std::string::npos) << bad;
+  for (const char* bad : {"1,2,3 1,2,3 1m", "1.7e308,2,3 -1.7e308,4,5 1m"})
+    EXPECT_NE(why(bad).find("the points are equal"), std::string::npos) << bad << ": " << why(bad);
+}
+
 }  // namespace
 }  // namespace vitrine
