@@ -18,7 +18,7 @@ namespace vitrine {
 namespace {
 
 struct ExportArguments : ToolOptions {
-  std::string output, formats, axes, scale, scale_bar;
+  std::string output, formats, axes, scale, scale_bar, scale_points;
   bool list = false, overwrite = false, edited = false;
 };
 
@@ -32,6 +32,8 @@ CommandLine export_command_line(ExportArguments& a) {
   cli.value("scale-bar", 0, "MARKS", a.scale_bar,
             "A scale bar in the picture: its two ends in two or more photos and its length, "
             "\"PHOTO:X1,Y1,X2,Y2 PHOTO:X1,Y1,X2,Y2 = 5cm\", in pixels of PROJECT/images.");
+  cli.value("scale-points", 0, "POINTS", a.scale_points,
+            "Two points of the scene and the length between them, \"X,Y,Z X,Y,Z 24cm\": `vitrine view` writes it (Measure).");
   cli.flag("edited", 0, a.edited, "The scene with its edits (vitrine edit), into PROJECT/edited/export.");
   cli.value("output", 'o', "DIR", a.output, "Where the files go; default: PROJECT/export.");
   cli.flag("overwrite", 0, a.overwrite, "Replace files that are there with other contents.");
@@ -68,6 +70,19 @@ double metres(const std::string& text) {
   return length->metres;
 }
 
+// One measure of the unit at most, and readable.
+void check_unit(const ExportArguments& a) {
+  std::vector<std::string_view> given;
+  for (const auto& [name, text] :
+       {std::pair("--scale", &a.scale), {"--scale-bar", &a.scale_bar}, {"--scale-points", &a.scale_points}})
+    if (!text->empty()) given.push_back(name);
+  if (given.size() > 1)
+    throw Error(ErrorKind::Usage, fmt::format("{} and {} both give the unit", given[0], given[1]),
+                {.hint = "leave one of them out", .code = "USAGE"});
+  if (!a.scale_bar.empty()) parse_scale_bar(a.scale_bar);
+  if (!a.scale_points.empty()) parse_scale_points(a.scale_points);
+}
+
 }  // namespace
 
 int export_command(const Words& words) {
@@ -80,12 +95,7 @@ int export_command(const Words& words) {
   }
   if (a.list) return run_and_tell({tool_program("export").string(), "--list"});
   check_formats(a.formats);
-  if (!a.scale_bar.empty()) {
-    if (!a.scale.empty())
-      throw Error(ErrorKind::Usage, "--scale and --scale-bar both give the unit",
-                  {.hint = "leave one of them out", .code = "USAGE"});
-    parse_scale_bar(a.scale_bar);
-  }
+  check_unit(a);
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const ProjectLock lock(project);
   const fs::path target = result_folder(project, (a.edited ? edited_folder(project) : project) / kExportStage, a.output);
@@ -103,6 +113,7 @@ int export_command(const Words& words) {
   if (!a.axes.empty()) run.insert(run.end(), {"--set", "axes=" + a.axes});
   if (!a.scale.empty()) run.insert(run.end(), {"--set", fmt::format("scale={}", metres(a.scale))});
   if (!a.scale_bar.empty()) run.insert(run.end(), {"--set", "scale_bar=" + a.scale_bar});
+  if (!a.scale_points.empty()) run.insert(run.end(), {"--set", "scale_points=" + a.scale_points});
   const Words work = work_words(a);
   run.insert(run.end(), work.begin(), work.end());
 

@@ -7,8 +7,8 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
-#include "core/scene/camera/scale_bar_length.h"
 #include "core/foundation/config/chart.h"
+#include "core/scene/camera/scale_bar_length.h"
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {
@@ -23,6 +23,9 @@ void describe(Describer& d, ExportConfig& c) {
   d.option("scale_bar", c.scale_bar,
            "A scale bar in the picture instead of `scale`, files in metres: its two ends in two or more photos and its length, "
            "\"photo:x1,y1,x2,y2 photo:x1,y1,x2,y2 = 5cm\" in pixels of the undistorted photos; empty: none.");
+  d.option("scale_points", c.scale_points,
+           "Two points of the scene instead of `scale`, files in metres: their places and the length between them, "
+           "\"x,y,z x,y,z 24cm\", as the page of `vitrine view` writes it; empty: none.");
   d.option("texture_size", c.texture_size,
            "Side of the baked textures in texels; 0 = four texels per edge of the mesh, a power of two.")
       .range(0, 8192);
@@ -32,7 +35,11 @@ std::string problem(const ExportConfig& config) {
   std::set<std::string_view> seen;
   for (const std::string& name : config.formats)
     if (!seen.insert(name).second) return "formats: '" + name + "' is listed twice";
-  if (config.scale > 0 && !config.scale_bar.empty()) return "scale and scale_bar both give the unit: leave one of them out";
+  std::vector<std::string_view> units;
+  if (config.scale > 0) units.push_back("scale");
+  if (!config.scale_bar.empty()) units.push_back("scale_bar");
+  if (!config.scale_points.empty()) units.push_back("scale_points");
+  if (units.size() > 1) return fmt::format("{} and {} both give the unit: leave one of them out", units[0], units[1]);
   return {};
 }
 
@@ -56,6 +63,13 @@ void run_export(const ExportConfig& config, StageContext& context) {
     settings.scale_note = scale_bar_text(bar);
     context.metric("metres_per_unit", bar.metres_per_unit);
     context.metric("scale_bar_error_px", bar.error_px);
+  }
+  if (!config.scale_points.empty()) {
+    const ScalePoints points = parse_scale_points(config.scale_points);
+    settings.scale = points.length_m / points.scene_units();
+    settings.scale_note = fmt::format("one unit of the scene is {:.4g} m, by two points that are {:.4g} units apart",
+                                      settings.scale, points.scene_units());
+    context.metric("metres_per_unit", settings.scale);
   }
   ExportSource source({.sfm = context.input("sfm"),
                        .optimize = context.input("optimize"),

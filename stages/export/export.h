@@ -13,6 +13,7 @@ struct ExportConfig {
   ExportAxes axes = ExportAxes::Rhzu;
   double scale = 0;
   std::string scale_bar = {};
+  std::string scale_points = {};
   int texture_size = 0;
 };
 void describe(Describer& d, ExportConfig& c);

@@ -8,6 +8,7 @@
 //   refused      what is said to a file that is no HDRI;  light  the one in use after SKY was chosen
 //   glass        how far pixels differ with and without the glass, mean of 255;  furnace  [mean, deviation] of a ball under white light
 //   turned       greatest difference between the light turned by 90 degrees and its map shifted by a quarter
+//   scale_points the option of vitrine export after a true length was typed
 //   distance     what a distance of two clicks is told as;  address  the fragment;  reopened  its eye after another visit
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
@@ -113,6 +114,8 @@ try {
   await page.mouse.click(...middle);
   await page.mouse.click(middle[0] + 20, middle[1]);
   result.distance = await page.$eval('#distance', (e) => e.value);
+  await page.type('#true_length', '24 cm');
+  result.scale_points = await page.$eval('#scale_points', (e) => e.value);
   for (const id of ['save_view', 'add_path', 'add_path', 'save_path', 'screenshot']) await page.click(`#${id}`);
   await saved(out, 'view.json', 'path.json', 'view.png');
   result.saved = readdirSync(out);

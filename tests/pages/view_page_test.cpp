@@ -1,6 +1,7 @@
 // view.html in headless Chromium, from file://: its pictures against those of the programs, and what a person does with it.
 #include <gtest/gtest.h>
 
+#include "core/foundation/config/chart.h"
 #include "core/render/picture/view_picture.h"
 #include "core/render/relight/relit_painter.h"
 #include "core/scene/camera/transforms_file.h"
@@ -108,6 +109,11 @@ TEST_F(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
   EXPECT_LT(r["furnace"][1].get<double>(), 0.03);
   EXPECT_GT(r["glass"], 1);
   EXPECT_NE(r["distance"].get<std::string>().find("scale unknown"), std::string::npos) << r["distance"];
+  const std::string option = r["scale_points"], before = "--scale-points \"";
+  ASSERT_TRUE(option.starts_with(before) && option.ends_with("\"")) << option;
+  const ScalePoints points = parse_scale_points(option.substr(before.size(), option.size() - before.size() - 1));
+  EXPECT_DOUBLE_EQ(points.length_m, 0.24);
+  EXPECT_NEAR(points.scene_units(), std::stod(r["distance"].get<std::string>()), 1e-3);
   EXPECT_EQ(r["photo"][0], "50%");
   const std::string split = r["photo"][1];
   EXPECT_NEAR(std::stod(split), 80, 4) << split;

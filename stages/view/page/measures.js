@@ -1,4 +1,4 @@
-// Distance measurement between two clicked surface points.
+// Distance measurement between two clicked surface points; with the true length, the option of `vitrine export` that sets the unit.
 import { button, element } from '../../page/elements.js';
 import { section } from './controls.js';
 import { svg } from './marks.js';
@@ -39,12 +39,26 @@ export class Measures {
   }
 }
 
+const kLength = /^\s*\d*\.?\d+\s*(m|cm|mm)\s*$/;
+
+// Text of `vitrine export --scale-points`; empty without two points, or if the length is not a positive one with a unit.
+export function scale_points(points, length) {
+  if (points.length < 2 || !kLength.test(length) || !(parseFloat(length) > 0)) return '';
+  return `--scale-points "${points.map((p) => p.map((v) => v.toPrecision(7)).join(',')).join(' ')} ${length.replace(/\s/g, '')}"`;
+}
+
 export function measures_section(view) {
   const { measures } = view, shown = element('output', { id: 'distance' });
   const measure = button('Measure', () => view.use(measures), { id: 'measure' });
+  const length = element('input', { id: 'true_length', type: 'text', size: 8, placeholder: '24cm', oninput: () => show() });
+  length.setAttribute('aria-label', 'true length of the distance');
+  const option = element('output', { id: 'scale_points' });
+  const known = element('div', { className: 'row', hidden: true }, element('label', {}, 'True length ', length), option);
   const show = () => {
+    known.hidden = measures.points.length < 2;
+    option.value = scale_points(measures.points, length.value);
     measure.setAttribute('aria-pressed', view.tool === measures);
     shown.value = measures.text() || (view.tool === measures ? 'click two points' : '');
   };
-  return { nodes: section('Distance', element('div', { className: 'row' }, measure, shown)), show };
+  return { nodes: section('Distance', element('div', { className: 'row' }, measure, shown), known), show };
 }

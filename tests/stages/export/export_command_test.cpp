@@ -115,6 +115,11 @@ TEST_F(ExportCommand, TakesItsUnitFromAScaleBar) {
   EXPECT_NE(report[0].at("notes").dump().find("one unit of the scene is 0.2 m, by the scale bar"), std::string::npos) << report;
   EXPECT_EQ(error_of([&] { run({"--scale-bar", "ring 0.jpg:1,2,3,4 = 5cm"}); }).detail().code, "SCALE_BAR");
   EXPECT_EQ(error_of([&] { run({"--scale-bar", bar, "--scale", "24cm"}); }).kind(), ErrorKind::Usage);
+  EXPECT_EQ(error_of([&] { run({"--scale-bar", bar, "--scale-points", "0,0,0 1,0,0 1m"}); }).kind(), ErrorKind::Usage);
+  EXPECT_EQ(error_of([&] { run({"--scale-points", "0,0,0 1,0,0"}); }).detail().code, "SCALE_POINTS");
+  EXPECT_EQ(run({"--formats", "mesh-obj", "--scale-points", "-0.4,0,0 0,0,0 8cm", "--overwrite"}), 0);
+  EXPECT_NE(read_file(project() / "export/formats.json").find("one unit of the scene is 0.2 m, by two points"),
+            std::string::npos);
   EXPECT_EQ(run({"--formats", "mesh-obj", "--scale-bar", "nowhere.jpg:1,2,3,4 ring 0.jpg:1,2,3,4 = 5cm", "--overwrite"}), 2);
 }
 

@@ -202,6 +202,25 @@ TEST_F(ExportStage, AScaleBarInThePhotosGivesEveryFormatItsUnit) {
   }
 }
 
+TEST_F(ExportStage, TwoPointsOfTheSceneGiveTheFilesTheirUnit) {
+  const auto files = [&](const ExportConfig& config) {
+    RecordingContext c = context();
+    run_export(config, c);
+    if (!config.scale_points.empty()) {
+      EXPECT_NEAR(c.metrics.at("metres_per_unit"), 0.5, 1e-12);
+      EXPECT_NE(c.summary_text.find("one unit of the scene is 0.5 m, by two points that are 0.48 units apart"), std::string::npos)
+          << c.summary_text;
+    }
+    return read_file(c.output() / "export/mesh.ply") + read_file(c.output() / "export/gaussians_2dgs.ply");
+  };
+  const std::vector<std::string> formats{"ply-2dgs", "mesh-ply"};
+  const std::string by_points = files({.formats = formats, .scale_points = "0.1,0.2,0.3 0.1,0.68,0.3 24cm"});
+  EXPECT_TRUE(by_points == files({.formats = formats, .scale = 0.5}));
+  EXPECT_FALSE(by_points == files({.formats = formats}));
+  EXPECT_EQ(problem(ExportConfig{.scale_bar = "a:1,2,3,4 b:1,2,3,4 = 5cm", .scale_points = "0,0,0 1,0,0 1m"}),
+            "scale_bar and scale_points both give the unit: leave one of them out");
+}
+
 TEST_F(ExportStage, AScaleBarThatIsOfNoUseIsAnError) {
   const ColmapModel cameras = test::ring_of_cameras();
   for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text})
