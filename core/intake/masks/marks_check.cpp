@@ -29,7 +29,8 @@ std::string GivenMark::object() const {
 
 const YamlNode* mark_list(YamlReader& in) {
   const YamlNode& root = in.root();
-  if (root.kind == YamlNode::Kind::Map) in.only_keys(root, {"size", "marks"});
+  in.only_keys(root, {"size", "marks"});
+  if (root.kind != YamlNode::Kind::Map) return nullptr;
   const YamlNode* marks = root.find("marks");
   if (marks != nullptr && marks->kind == YamlNode::Kind::List && !marks->items.empty()) return marks;
   in.complain(marks != nullptr ? *marks : root, "marks must be a list of marks");
