@@ -16,6 +16,8 @@
 
 namespace vitrine {
 
+static_assert(EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MALLOC_ALREADY_ALIGNED == 1, "as in Ceres, see gains/CMakeLists.txt");
+
 namespace {
 
 constexpr size_t kFewest = 4;          // spots that must agree: a similarity always fits two, and nearly always three

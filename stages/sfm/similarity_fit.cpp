@@ -1,5 +1,3 @@
-// All matrices have fixed sizes: Eigen allocates others by the alignment of the instruction set, which differs from that of
-// Ceres' library in the same program.
 #include "stages/sfm/similarity_fit.h"
 
 #include <Eigen/Dense>
