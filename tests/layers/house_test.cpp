@@ -21,9 +21,9 @@ struct Ceiling {
   const char* folder;
   size_t lines, private_words;
 };
-constexpr Ceiling kCeilings[] = {{"core/foundation", 5750, 0}, {"core/scene", 14000, 3},  {"core/intake", 9950, 36},
+constexpr Ceiling kCeilings[] = {{"core/foundation", 5800, 0}, {"core/scene", 14000, 3},  {"core/intake", 9950, 36},
                                  {"core/observe", 5550, 0},    {"core/render", 12800, 0}, {"core/learn", 3650, 0},
-                                 {"stages", 32250, 35},        {"pipeline", 6950, 0}};
+                                 {"stages", 32250, 35},        {"pipeline", 7000, 0}};
 constexpr size_t kSmallFileLines = 40;
 constexpr size_t kMostSmallFiles = 104, kMostConstants = 1306, kMostQuestionHeaders = 0;
 
