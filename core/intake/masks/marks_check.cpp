@@ -29,8 +29,8 @@ std::string GivenMark::object() const {
 
 const YamlNode* mark_list(YamlReader& in) {
   const YamlNode& root = in.root();
-  in.only_keys(root, {"size", "marks"});
-  if (root.kind != YamlNode::Kind::Map) return nullptr;
+  if (root.kind != YamlNode::Kind::Null) in.only_keys(root, {"size", "marks"});
+  if (root.kind == YamlNode::Kind::List || root.kind == YamlNode::Kind::Scalar) return nullptr;
   const YamlNode* marks = root.find("marks");
   if (marks != nullptr && marks->kind == YamlNode::Kind::List && !marks->items.empty()) return marks;
   in.complain(marks != nullptr ? *marks : root, "marks must be a list of marks");

@@ -210,14 +210,15 @@ TEST_F(GivenNames, OfBlendersFilesTheOneOfThesePhotosIsRead) {
 TEST_F(GivenNames, MasksOfJoinedFilesAreUsedByTheirFolder) {
   make_folders(folder.path() / "masks");
   for (const char* set : {"train", "test"}) {
-    const std::string name = fmt::format("./{}/r_0", set);
-    const fs::path file = transforms({name}, R"("camera_angle_x": 1.0, )", fmt::format("transforms_{}.json", set));
+    const fs::path file = transforms({fmt::format("./{}/r_0", set), fmt::format("./{}/r_1", set)}, R"("camera_angle_x": 1.0, )",
+                                     fmt::format("transforms_{}.json", set));
     std::string text = read_file(file);
     text.insert(text.find("\"transform_matrix\""), fmt::format("\"mask_path\": \"masks/{}.png\", ", set));
     write_file(file, text);
     write_ldr(folder.path() / fmt::format("masks/{}.png", set), Image8(4, 3, 1));
   }
-  EXPECT_EQ(code(given_poses(folder.path(), std::vector{photo("train/r_0.png"), photo("test/r_0.png")}, 0), "POSES_NAME_MASKS"),
+  const std::vector photos{photo("train/r_0.png"), photo("train/r_1.png"), photo("test/r_0.png"), photo("test/r_1.png")};
+  EXPECT_EQ(code(given_poses(folder.path(), photos, 0), "POSES_NAME_MASKS"),
             fmt::format("2 poses name a mask (mask_path); the masks are not used: --masks {} uses them as masks of the object",
                         folder.path().string()));
 }
