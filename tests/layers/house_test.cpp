@@ -25,7 +25,7 @@ constexpr Ceiling kCeilings[] = {{"core/foundation", 5800, 0}, {"core/scene", 14
                                  {"core/observe", 5550, 0},    {"core/render", 12800, 0}, {"core/learn", 3650, 0},
                                  {"stages", 32250, 35},        {"pipeline", 7000, 0}};
 constexpr size_t kSmallFileLines = 40;
-constexpr size_t kMostSmallFiles = 104, kMostConstants = 1306, kMostQuestionHeaders = 0;
+constexpr size_t kMostSmallFiles = 106, kMostConstants = 1306, kMostQuestionHeaders = 0;
 
 // Standard terms for them stand in the glossary of core/README.md.
 constexpr std::array<std::string_view, 22> kPrivateWords{
