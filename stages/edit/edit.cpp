@@ -10,6 +10,7 @@
 #include "core/render/edit/edit_scene.h"
 #include "core/render/edit/selection.h"
 #include "core/render/raster/renderer.h"
+#include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/surfels/activation.h"
 
@@ -20,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kOpenEnd = 1e-4f;         // clamp of values before the inverse sigmoid, which diverges at 0 and 1
+constexpr double kMostScatter_rel = 0.5;  // largest mean free path
 constexpr size_t kListedComponents = 20;  // maximum number listed in the report
 
 struct Counts {
@@ -44,7 +46,30 @@ Vec3f tinted(const Vec3f& color, const Vec3f& tint) {
   return {std::clamp(color.x * tint.x, 0.f, 1.f), std::clamp(color.y * tint.y, 0.f, 1.f), std::clamp(color.z * tint.z, 0.f, 1.f)};
 }
 
-void change_surfel(EditScene& scene, size_t i, const MaterialChange& set) {
+// Mean free path per channel, scene units.
+Vec3f scene_length(const Edit& edit, const fs::path& sfm) {
+  const Scatter& s = *edit.set.scatter;
+  double length = s.length;
+  if (s.metres) {
+    const auto metres_per_unit = read_scene_info(sfm / "scene.json").metres_per_unit();
+    if (!metres_per_unit)
+      throw Error(ErrorKind::Input, fmt::format("'{}': the size of the scene in metres is not known", edit.name),
+                  {.where = edit.where,
+                   .why = "'scatter' has a unit, and neither given poses nor GPS gave the scene one",
+                   .hint = "give a number: units of the scene, in which the ring of cameras has radius 1",
+                   .code = "EDIT_UNIT"});
+    length /= *metres_per_unit;
+  }
+  if (length > kMostScatter_rel)
+    throw Error(ErrorKind::Input, fmt::format("'{}': light does not scatter that far below a surface", edit.name),
+                {.where = edit.where,
+                 .why = fmt::format("{:.3g} scene units are more than {} of the camera ring's radius", length, kMostScatter_rel),
+                 .hint = "wax and marble: a few millimetres",
+                 .code = "EDIT_UNIT"});
+  return float(length) * s.color;
+}
+
+void change_surfel(EditScene& scene, size_t i, const MaterialChange& set, const std::optional<Vec3f>& scatter) {
   SplatLayer& layer = scene.trained.surfels.diffuse;
   if (set.tint) tint_light(layer, i, *set.tint);
   if (set.f0)
@@ -59,13 +84,17 @@ void change_surfel(EditScene& scene, size_t i, const MaterialChange& set) {
   if (set.roughness) m.roughness[i] = *set.roughness;
   if (set.specular_weight) m.specular_weight[i] = *set.specular_weight;
   if (set.transmission) m.transmission[i] = *set.transmission;
+  if (scatter) m.scatter[i] = *scatter;
   if (m.shows_sky(i)) m.f0[i] = {kOpenEnd, kOpenEnd, kOpenEnd};  // a black surface: all values 0 would mark the sky
 }
 
-Counts change(EditScene& scene, const Parts& parts, const Edit& edit) {
+Counts change(EditScene& scene, const Parts& parts, const Edit& edit, const fs::path& sfm) {
   Counts n;
+  std::optional<Vec3f> scatter;
+  if (edit.set.scatter) scatter = scene_length(edit, sfm);
+  if (scatter && scene.materials) scene.materials->scatter.resize(scene.materials->size());
   for (size_t i = 0; i < parts.diffuse.size(); ++i)
-    if (parts.diffuse[i] && !scene.shows_sky(i)) change_surfel(scene, i, edit.set), ++n.diffuse;
+    if (parts.diffuse[i] && !scene.shows_sky(i)) change_surfel(scene, i, edit.set, scatter), ++n.diffuse;
   if (!edit.set.tint) return n;
   // Content behind glass has only an albedo. Classes and components select the glass, not its content.
   if (edit.select.geometric())
@@ -136,6 +165,10 @@ Json described(const Edit& edit, const Counts& n) {
   if (set.roughness) json["set"]["roughness"] = short_number(*set.roughness);
   if (set.specular_weight) json["set"]["k_s"] = short_number(*set.specular_weight);
   if (set.transmission) json["set"]["tau"] = short_number(*set.transmission);
+  if (set.scatter) {
+    json["set"]["scatter"] = fmt::format("{}{}", set.scatter->length, set.scatter->metres ? " m" : "");
+    json["set"]["scatter_color"] = numbers(set.scatter->color);
+  }
   json["surfels"] = n.diffuse;
   json["surfels_behind_glass"] = n.transmittance;
   json["mesh_vertices"] = n.vertices;
@@ -185,13 +218,16 @@ void run_edit(const EditConfig&, StageContext& context) {
     still_there(parts.faces, scene.there.faces);
     still_there(parts.walls, scene.there.walls);
     still_there(parts.content, scene.there.content);
-    const Counts n = edit.remove ? remove(scene, parts) : change(scene, parts, edit);
+    const Counts n = edit.remove ? remove(scene, parts) : change(scene, parts, edit, context.input("sfm"));
     if (n.sum() == 0) refuse_empty(scene, edit);
     if (count(scene.there.diffuse) == 0) refuse_to_delete_all(edit, "surfels");
     if (count(scene.there.faces) == 0) refuse_to_delete_all(edit, "mesh");
     if (edit.set.transmission && scene.trained.surfels.transmittance.size() == 0)
       context.warning("NO_GLASS",
                       fmt::format("{}: the scene was trained without glass, so nothing is seen through it", edit.name));
+    if (edit.set.scatter && !scene.materials)
+      context.warning("NO_MATERIALS",
+                      fmt::format("{}: 'scatter' shows under another light only, and the scene has no materials", edit.name));
     report["edits"].push_back(described(edit, n));
   }
   report["components"] = described(selector.components());
@@ -211,7 +247,7 @@ void run_edit(const EditConfig&, StageContext& context) {
 Stage edit_stage() {
   StageInfo info{
       .name = "edit",
-      .version = 7,
+      .version = 8,
       .summary = "changes to a finished scene",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels."},

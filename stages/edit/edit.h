@@ -33,10 +33,18 @@ Stage edit_stage();
 //     - select: {box: [-0.2, -0.1, -0.8, 0.3, 0.4, -0.2]}      # x0 y0 z0 x1 y1 z1 in the scene's frame
 //       delete: true
 
+// Mean free path of light below a surface, [length] times colour.
+struct Scatter {
+  double length = 0;
+  bool metres = false;  // else scene units
+  Vec3f color{1, 1, 1};
+};
+
 struct MaterialChange {
   std::optional<Vec3f> tint = {};  // factor of the albedo
   std::optional<Vec3f> f0 = {};
   std::optional<float> roughness = {}, specular_weight = {}, transmission = {};
+  std::optional<Scatter> scatter = {};
 };
 
 struct Edit {

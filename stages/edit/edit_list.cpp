@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/foundation/config/chart.h"
 #include "core/intake/masks/photo_marks.h"
 #include "core/intake/masks/photo_masks.h"
 
@@ -147,14 +148,37 @@ class Reader {
 
   MaterialChange change(const YamlNode& node) {
     MaterialChange out;
-    in_.only_keys(node, {"tint", "f0", "roughness", "k_s", "tau"});
+    in_.only_keys(node, {"tint", "f0", "roughness", "k_s", "tau", "scatter", "scatter_color"});
     if (node.kind != YamlNode::Kind::Map) return out;
-    if (node.entries.empty()) in_.complain(node, "nothing is set: tint, f0, roughness, k_s or tau");
+    if (node.entries.empty()) in_.complain(node, "nothing is set: tint, f0, roughness, k_s, tau or scatter");
     out.tint = color(node, "tint", kMostTint);
     out.f0 = color(node, "f0", 1);
     out.roughness = value(node, "roughness");
     out.specular_weight = value(node, "k_s");
     out.transmission = value(node, "tau");
+    out.scatter = scatter(node);
+    return out;
+  }
+
+  std::optional<Scatter> scatter(const YamlNode& map) {
+    const YamlNode *length = map.find("scatter"), *tint = map.find("scatter_color");
+    if (length == nullptr) {
+      if (tint != nullptr) in_.complain(*tint, "'scatter_color' colours 'scatter', which is missing");
+      return std::nullopt;
+    }
+    Scatter out;
+    const auto parsed = length->kind == YamlNode::Kind::Scalar ? parse_length(length->text) : std::nullopt;
+    if (!parsed) {
+      in_.complain(*length,
+                   "'scatter' is a length above 0: 4 mm, or a number in units of the scene; leave it out for a surface that "
+                   "does not scatter light below it");
+      return std::nullopt;
+    }
+    out.length = parsed->metres, out.metres = parsed->has_unit;
+    if (tint == nullptr) return out;
+    if (const auto rgb = color(map, "scatter_color", 1)) out.color = *rgb;
+    if (!(out.color.x > 0 && out.color.y > 0 && out.color.z > 0))
+      in_.complain(*tint, "each channel of 'scatter_color' must be above 0: it is a factor of the length");
     return out;
   }
 

@@ -5,12 +5,12 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
+#include "core/render/model/thick_glass.h"
 #include "core/scene/mesh/mesh_distance.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
-#include "core/render/model/thick_glass.h"
-#include "core/scene/surfels/splat_scene.h"
 #include "core/scene/shape/shape_set.h"
+#include "core/scene/surfels/splat_scene.h"
 
 namespace vitrine {
 
@@ -28,9 +28,13 @@ std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t
 }
 
 DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
-  return {remaining(m.albedo, keep.diffuse),       remaining(m.roughness, keep.diffuse),
-          remaining(m.f0, keep.diffuse),           remaining(m.specular_weight, keep.diffuse),
-          remaining(m.transmission, keep.diffuse), remaining(m.albedo_behind_glass, keep.transmittance)};
+  return {.albedo = remaining(m.albedo, keep.diffuse),
+          .roughness = remaining(m.roughness, keep.diffuse),
+          .f0 = remaining(m.f0, keep.diffuse),
+          .specular_weight = remaining(m.specular_weight, keep.diffuse),
+          .transmission = remaining(m.transmission, keep.diffuse),
+          .albedo_behind_glass = remaining(m.albedo_behind_glass, keep.transmittance),
+          .scatter = remaining(m.scatter, m.scatter.empty() ? std::vector<uint8_t>() : keep.diffuse)};
 }
 
 // Keeps a shape while at least half of its surfels remain: mirrors, coats, thin glass. Thin glass without surfels is kept.

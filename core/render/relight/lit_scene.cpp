@@ -95,6 +95,7 @@ void LitScene::bounce(const std::vector<Vec3f>& direct) {
   radiance_.resize(n);
   irradiance_ = direct;
   for (int b = 1;; ++b) {
+    surface_->subsurface().apply(irradiance_);
     for (size_t v = 0; v < n; ++v) radiance_[v] = hadamard(surface_->reflectance()[v], irradiance_[v]) / kPi;
     if (b >= desc_.bounces || gathered.empty()) break;
     std::vector<Vec3f> indirect(n);

@@ -1,14 +1,15 @@
 // Scene under one lighting. The outgoing radiance of every mesh vertex is computed once; rays look it up.
 //   E(x) = sum of samples  L V n.l / pdf  (environment by its luminance, lamps)  +  light from the scene by cosine-weighted rays
-//   B(x) = reflectance E / pi                 radiance of the mesh as a diffuse surface, iterated for the bounces
+//   E'(x) = E(x), or that of the places around x where light scatters below the surface (subsurface.h)
+//   B(x) = reflectance E' / pi                radiance of the mesh as a diffuse surface, iterated for the bounces
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "core/scene/light/lighting.h"
 #include "core/render/relight/scene_surface.h"
+#include "core/scene/light/lighting.h"
 
 namespace vitrine {
 
@@ -26,7 +27,7 @@ class LitScene {
 
   const SceneSurface& surface() const { return *surface_; }
   const Lighting& lighting() const { return *lighting_; }
-  const std::vector<Vec3f>& irradiance() const { return irradiance_; }  // [v] E
+  const std::vector<Vec3f>& irradiance() const { return irradiance_; }  // [v] E'
   const std::vector<Vec3f>& radiance() const { return radiance_; }      // [v] B
 
   // Light along a ray: from the mesh, and the share from outside the scene.

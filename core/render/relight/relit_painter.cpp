@@ -7,7 +7,6 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/render/model/gbuffer.h"
-#include "core/render/relight/lit_place.h"
 #include "core/render/relight/pixel_shader.h"
 #include "core/scene/image/ldr.h"
 
@@ -18,6 +17,7 @@ namespace {
 constexpr double kMiddleGrey = 0.18;
 constexpr float kLeastCoverage = 1 / 255.f;
 constexpr int kBandRows = 8;
+constexpr float kNearMesh = 2;            // in grains: how far a pixel's surface may be from the mesh that knows its light
 constexpr uint64_t kBehindStream = 0xb3;  // sample points of surfaces behind glass
 
 ImageOptions options_of(const RelitScene& scene) {
@@ -50,6 +50,21 @@ void RelitPainter::set_lighting(Lighting lighting, const LitSceneDesc& desc) {
   glass_.relight(*lit_, desc);
 }
 
+// Radiance of the light that leaves a place after it scattered below the surface. The share of the albedo that sends it is taken
+// from the material.
+Vec3f RelitPainter::from_below(ShownSurface& shown, const LitPlace& at, const Vec3f& eye) const {
+  const SubsurfaceFilter& filter = surface_.subsurface();
+  if (filter.empty()) return {};
+  const float reach = kNearMesh * surface_.grain();
+  const auto place = surface_.front_near(at.on_mesh + reach * at.normal, -at.normal, 2 * reach);
+  if (!place) return {};
+  const Vec3f share = surface_.at(filter.share(), *place);
+  const Vec3f leaving = hadamard(share, surface_.at(lit_->irradiance(), *place)) / Microfacet::kPi;
+  const Vec3f diffuse = relit_weights(scene_.blend(), shown.material, eye.z).diffuse, albedo = shown.material.albedo;
+  shown.material.albedo = hadamard(Vec3f{1, 1, 1} - share, albedo);
+  return hadamard(diffuse, hadamard(albedo, leaving));
+}
+
 RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& desc) {
   VITRINE_CHECK(lit_ != nullptr, "a relit picture needs a lighting");
   frame_.differentiable = false;
@@ -70,8 +85,10 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const LitPlace at = lit_place(surface_, scene_.trained.image.shape.set.get(), scene_.blend(), shown);
     shown.material.agreement = at.agreement;
     const ShadingFrame frame(at.normal);
-    const Microfacet scatter(scene_.blend(), shown.material, frame.local(shown.ray.view));
-    return ShadedSurface{at, PixelShader(*lit_, scatter, frame, at.place, at.origin).shade(points, desc.samples),
+    const Vec3f eye = frame.local(shown.ray.view);
+    const Vec3f below = from_below(shown, at, eye);
+    const Microfacet scatter(scene_.blend(), shown.material, eye);
+    return ShadedSurface{at, below + PixelShader(*lit_, scatter, frame, at.place, at.origin).shade(points, desc.samples),
                          scatter.transmission_weight()};
   };
   const auto shade = [&](uint32_t pixel) {

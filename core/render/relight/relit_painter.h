@@ -13,6 +13,7 @@
 
 #include "core/render/model/layered_model.h"
 #include "core/render/relight/glass_content.h"
+#include "core/render/relight/lit_place.h"
 #include "core/render/relight/lit_scene.h"
 #include "core/scene/image/image.h"
 
@@ -45,6 +46,8 @@ class RelitPainter {
   const LitScene& lit() const { return *lit_; }
 
  private:
+  Vec3f from_below(ShownSurface& shown, const LitPlace& at, const Vec3f& eye) const;
+
   RelitScene scene_;
   SceneSurface surface_;
   GlassContent glass_;

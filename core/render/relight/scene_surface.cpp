@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/scene/mesh/mesh_topology.h"
 #include "core/render/trace/tracer.h"
+#include "core/scene/mesh/mesh_topology.h"
 
 namespace vitrine {
 
@@ -82,6 +82,10 @@ void SceneSurface::take_materials(const RelitScene& scene) {
   // Weighted means may leave [0, 1] by rounding.
   for (Vec3f& r : reflectance_)
     for (size_t c = 0; c < 3; ++c) r[c] = std::clamp(r[c], 0.f, 1.f);
+  if (!scene.materials.scatter.empty())
+    subsurface_ =
+        SubsurfaceFilter(mesh_, colors_at_vertices(painted_layer(surfels, scene.materials.scatter), mesh_, kReach * grain_, {}),
+                         reflectance_, grain_);
   if (!glass_) return;
   const std::vector<Vec3f> at_vertices = colors_at_vertices(painted_layer(surfels, through), mesh_, kReach * grain_, {});
   transmittance_.resize(mesh_.faces.size());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/render/relight/relit_scene.h"
+#include "core/render/relight/subsurface.h"
 #include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine {
@@ -24,6 +25,7 @@ class SceneSurface {
   const TriMesh& mesh() const { return mesh_; }
   bool surrounding(uint32_t face) const { return face >= near_faces_; }
   const std::vector<Vec3f>& reflectance() const { return reflectance_; }  // [v]
+  const SubsurfaceFilter& subsurface() const { return subsurface_; }
   // Mean edge length of the mesh: the unit of the distance between surfels and mesh, and of ray offsets.
   float grain() const { return grain_; }
 
@@ -93,6 +95,7 @@ class SceneSurface {
   bool glass_ = false;
   std::vector<Vec3f> reflectance_;    // [v]
   std::vector<float> transmittance_;  // [f]
+  SubsurfaceFilter subsurface_;
 };
 
 }  // namespace vitrine

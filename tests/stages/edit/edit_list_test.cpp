@@ -118,6 +118,10 @@ TEST(EditList, EveryMistakeIsShownAtItsLine) {
       {"edits:\n  - select: all\n    set: {tint: [1, 2]}", ":3:17", "[red, green, blue]"},
       {"edits:\n  - select: all\n    set: {f0: [1, 2, 0]}", ":3:15", "between 0 and 1, got 2"},
       {"edits:\n  - select: all\n    set: {tint: [1, 20, 0]}", ":3:17", "between 0 and 10, got 20"},
+      {"edits:\n  - select: all\n    set: {scatter: 0}", ":3:20", "a length above 0"},
+      {"edits:\n  - select: all\n    set: {scatter: deep}", ":3:20", "a length above 0"},
+      {"edits:\n  - select: all\n    set: {scatter_color: [1, 1, 1]}", ":3:26", "'scatter', which is missing"},
+      {"edits:\n  - select: all\n    set: {scatter: 4mm, scatter_color: [1, 0, 1]}", ":3:40", "must be above 0"},
   };
   for (const auto& c : cases) {
     const Error e = error_of([&] { read(c.text); });

@@ -179,6 +179,23 @@ TEST_F(EditStage, EveryPropertyIsSetInTheMaterialsAndInTheTrainedLayer) {
   EXPECT_EQ(*scene.trained.surfels.diffuse.at(Attribute::Roughness, b), *balls().layer.at(Attribute::Roughness, b));
 }
 
+TEST_F(EditStage, PartsScatterLightBelowTheirSurface) {
+  const RelitScene scene = edited("  - select: {class: specular}\n    set: {scatter: 0.02, scatter_color: [1, 0.5, 0.25]}\n");
+  const std::vector<Vec3f>& scatter = scene.materials.scatter;
+  ASSERT_EQ(scatter.size(), scene.materials.size());
+  EXPECT_EQ(scatter[0], (Vec3f{0.02f, 0.01f, 0.005f}));
+  EXPECT_EQ(scatter[TwoBalls::kSurfelsA + 5], Vec3f{}) << "the other ball is opaque";
+}
+
+TEST_F(EditStage, ScatteringThatTheSceneCannotHaveIsRefused) {
+  const auto says = [](const Error& e, const char* what) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+  };
+  says(refused("  - select: all\n    set: {scatter: 4 mm}\n"), "size of the scene in metres is not known");
+  says(refused("  - select: all\n    set: {scatter: 2}\n"), "does not scatter that far");
+}
+
 TEST_F(EditStage, WhatIsPaintedBlackIsNoSky) {
   const RelitScene scene = edited("  - select: all\n    set: {tint: 0, f0: 0, k_s: 0}\n");
   for (size_t i = 0; i < scene.materials.size(); ++i)
