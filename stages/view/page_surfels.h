@@ -56,6 +56,10 @@ struct PageLight {
 };
 PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels);
 
+// Writes blocks scattering (surfels that scatter light below their surface), lender (24 surfels around each, itself among them)
+// and lent_share (their shares per channel, bytes with sum 255): core/render/relight/subsurface.h. Nothing if there are none.
+void add_subsurface(const RelitScene& scene, const PageSurfels& surfels, PageBlocks& blocks);
+
 // Writes transfers as `name`_constant (f16 x 3: constant coefficients) and `name` (u8: grey coefficients up to `degree`, relative
 // to the constant one).
 void add_transfers(std::string_view name, std::span<const Transfer> transfers, int degree, PageBlocks& blocks);

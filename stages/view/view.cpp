@@ -190,6 +190,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     lit_near = clear_of_surface(*s.relit, transfer);
     add_environment(s.relit->captured, blocks);
     add_probes(light_probes, blocks);
+    add_subsurface(*s.relit, surfels, blocks);
   } else {
     context.warning("VIEW_NO_LIGHT", "there are no materials (stage decompose): the page shows the scene as photographed alone");
   }
@@ -253,7 +254,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 8,
+                 .version = 9,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -17,15 +17,14 @@ constexpr float kOpenAngle = 0.35f;    // radius over distance: closer groups ar
 constexpr float kFarthest = 16;        // in d: beyond it less than half a percent of the light leaves
 constexpr size_t kTaskVertices = 128;  // vertices of one task
 
-// R(r), per area.
-float profile(float r, float d) { return (std::exp(-r / d) + std::exp(-r / (3 * d))) / (8 * kCircle * d * r); }
-
 }  // namespace
 
 float diffusion_length(float length, float albedo) {
   const float a = albedo - 0.8f;
   return length / (1.9f - albedo + 3.5f * a * a);
 }
+
+float diffusion_profile(float r, float d) { return (std::exp(-r / d) + std::exp(-r / (3 * d))) / (8 * kCircle * d * r); }
 
 float leaves_within(float r, float d) { return 1 - 0.25f * std::exp(-r / d) - 0.75f * std::exp(-r / (3 * d)); }
 
@@ -104,7 +103,7 @@ Vec3f SubsurfaceFilter::filtered(uint32_t at, std::span<const Vec3f> power, std:
     if (distance - node.radius > farthest) continue;
     if (node.radius < kOpenAngle * distance) {
       for (size_t c = 0; c < 3; ++c) {
-        const float r = profile(distance, d[c]);
+        const float r = diffusion_profile(distance, d[c]);
         weight[c] += r * node.area, sum[c] += r * power[size_t(&node - nodes_.data())][c];
       }
     } else if (node.left != 0) {
@@ -115,7 +114,7 @@ Vec3f SubsurfaceFilter::filtered(uint32_t at, std::span<const Vec3f> power, std:
         const float r = k == at ? 0 : length(places_[k] - place);
         if (!(r > 0)) continue;
         for (size_t c = 0; c < 3; ++c) {
-          const float w = area_[k] * profile(std::max(r, 0.5f * disc), d[c]);
+          const float w = area_[k] * diffusion_profile(std::max(r, 0.5f * disc), d[c]);
           weight[c] += w, sum[c] += w * values[k][c];
         }
       }

@@ -18,6 +18,8 @@ namespace vitrine {
 
 // d of a surface with mean free path `length` and this albedo.
 float diffusion_length(float length, float albedo);
+// R(r), per area.
+float diffusion_profile(float r, float d);
 // Share of the light that leaves within distance r of where it entered: the integral of 2 pi r R(r).
 float leaves_within(float r, float d);
 

@@ -4,6 +4,20 @@ import { DataUtils } from 'three';
 
 const kWords = 18, kNoSide = 255, kBounced = 3, kSteps = 48, kZero = 128;
 
+// Light leaves wax and marble around the place where it entered (core/render/relight/subsurface.h). lender, lent_share: of each
+// surfel in `scattering`. Changes `light`, [3 count].
+export function scatter_below({ scattering, lender, lent_share }, light) {
+  if (!scattering) return light;
+  const lenders = lender.length / scattering.length, entered = light.slice();
+  for (let s = 0; s < scattering.length; ++s)
+    for (let c = 0; c < 3; ++c) {
+      let sum = 0, shares = 0;
+      for (let j = s * lenders; j < (s + 1) * lenders; ++j) (sum += lent_share[3 * j + c] * entered[3 * lender[j] + c]), (shares += lent_share[3 * j + c]);
+      if (shares > 0) light[3 * scattering[s] + c] = sum / shares;
+    }
+  return light;
+}
+
 // Returns [3 count]. cells: {flux, directions} (sky.js); harmonics: 16 x 3.
 export function irradiance({ open, side, bounced, bounced_constant }, count, cells, harmonics) {
   const out = new Float32Array(3 * count), { flux, directions } = cells;

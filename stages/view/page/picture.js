@@ -9,7 +9,7 @@ import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
 import { scale_uniforms } from './confidence.js';
 import { Shapes } from './shapes.js';
-import { irradiance } from './irradiance.js';
+import { irradiance, scatter_below } from './irradiance.js';
 import { cell_light, harmonics, sky_texture, turned } from './sky.js';
 import { Rays } from './rays.js';
 import { kGuess, kSky, Paint, Surfels, texture } from './surfels.js';
@@ -129,7 +129,7 @@ export class Picture {
     this.sky_uniforms.sky_turn.value = radians;
     const coefficients = turned(this.coefficients, radians);
     this.probe_uniforms.light.value = coefficients.flat();
-    this.irradiance = irradiance(this.blocks, this.scene.drawn, cell_light(direct, radians, kCellSide), coefficients);
+    this.irradiance = scatter_below(this.blocks, irradiance(this.blocks, this.scene.drawn, cell_light(direct, radians, kCellSide), coefficients));
     this.surfels.set_irradiance(this.irradiance);
     this.probes_fresh = false;
   }

@@ -142,6 +142,55 @@ TEST(PageSurfels, ThoseThatShowTheLightOfThePhotosAreFlagged) {
     EXPECT_EQ((surfels.flags[k] & kSkySurfel) != 0, surfels.of_diffuse[k] == 42) << k;
 }
 
+// Half of a ball is wax: its surfels borrow light from each other, near ones most.
+TEST(PageSurfels, WaxBorrowsLightFromWaxAround) {
+  RelitScene scene = test::relit_ball({0.8f, 0.6f, 0.4f});
+  const size_t n = scene.materials.size();
+  const auto x_of = [&](size_t i) { return scene.trained.surfels.diffuse.at(Attribute::Mean, i)[0]; };
+  const PageSurfels surfels = page_surfels(scene.trained, std::vector<Vec3d>{{1, 0, 0}}, 100000);
+  PageBlocks none;
+  add_subsurface(scene, surfels, none);
+  EXPECT_TRUE(none.directory().empty()) << "nothing scatters";
+  scene.materials.scatter.resize(n);
+  size_t wax = 0;
+  for (size_t i = 0; i < n; ++i)
+    if (x_of(i) > 0) scene.materials.scatter[i] = {0.04f, 0.02f, 0.01f}, ++wax;
+  PageBlocks blocks;
+  add_subsurface(scene, surfels, blocks);
+  const auto& list = blocks.directory();
+  ASSERT_EQ(list.size(), 3u);
+  ASSERT_EQ(list[0]["count"], wax);
+  ASSERT_EQ(list[1]["count"], 24 * wax);
+  // Byte plane by byte plane; little-endian.
+  const auto word = [&](size_t block, size_t at) {
+    const size_t width = list[block]["width"], count = list[block]["count"], offset = list[block]["offset"],
+                 items = count / width;
+    uint32_t value = 0;
+    for (size_t byte = 0; byte < 4; ++byte)
+      value |= uint32_t(uint8_t(blocks.buffer()[offset + (at % width * 4 + byte) * items + at / width])) << (8 * byte);
+    return value;
+  };
+  const auto share = [&](size_t at) {
+    const size_t width = list[2]["width"], items = size_t(list[2]["count"]) / width;
+    return double(uint8_t(blocks.buffer()[size_t(list[2]["offset"]) + at % width * items + at / width]));
+  };
+  for (size_t s = 0; s < wax; s += 37) {
+    const uint32_t self = word(0, s);
+    EXPECT_GT(surfels.layer.at(Attribute::Mean, self)[0], 0);
+    Vec3d sum{}, far{};
+    for (size_t j = 0; j < 24; ++j) {
+      const uint32_t lender = word(1, 24 * s + j);
+      EXPECT_GT(surfels.layer.at(Attribute::Mean, lender)[0], 0) << "the other half is opaque";
+      for (size_t c = 0; c < 3; ++c) {
+        sum[c] += share(3 * (24 * s + j) + c);
+        if (j >= 8) far[c] += share(3 * (24 * s + j) + c);
+      }
+    }
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 255, 12);
+    EXPECT_GT(far.x, far.z) << "red light goes farther";
+  }
+}
+
 TEST(PageSurfels, ConstantPartsOfColoursAreFineWhereItIsDark) {
   PageSurfels surfels;
   surfels.layer = SplatLayer(LayerKind::Diffuse, 0, 3);
