@@ -69,6 +69,24 @@ Vec3f scene_length(const Edit& edit, const fs::path& sfm) {
   return float(length) * s.color;
 }
 
+// Direction of the marks times the anisotropy; around an axis through `middle` where the metal was turned.
+Vec3f marks_at(const BrushMarks& marks, const Vec3f& place, const Vec3f& middle) {
+  if (!marks.turned) return marks.anisotropy * marks.direction;
+  const Vec3f around = cross(marks.direction, place - middle);
+  return squared_length(around) > 0 ? marks.anisotropy * normalized(around) : Vec3f{};
+}
+
+Vec3f mean_place(const SplatLayer& layer, const std::vector<uint8_t>& selected) {
+  Vec3d sum{};
+  size_t n = 0;
+  for (size_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i]) continue;
+    const float* p = layer.at(Attribute::Mean, i);
+    sum += Vec3d{p[0], p[1], p[2]}, ++n;
+  }
+  return n > 0 ? cast<float>(sum / double(n)) : Vec3f{};
+}
+
 void change_surfel(EditScene& scene, size_t i, const MaterialChange& set, const std::optional<Vec3f>& scatter) {
   SplatLayer& layer = scene.trained.surfels.diffuse;
   if (set.tint) tint_light(layer, i, *set.tint);
@@ -93,6 +111,14 @@ Counts change(EditScene& scene, const Parts& parts, const Edit& edit, const fs::
   std::optional<Vec3f> scatter;
   if (edit.set.scatter) scatter = scene_length(edit, sfm);
   if (scatter && scene.materials) scene.materials->scatter.resize(scene.materials->size());
+  const SplatLayer& layer = scene.trained.surfels.diffuse;
+  if (edit.set.marks && scene.materials) {
+    scene.materials->marks.resize(scene.materials->size());
+    const Vec3f middle = mean_place(layer, parts.diffuse);
+    for (size_t i = 0; i < parts.diffuse.size(); ++i)
+      if (const float* p = layer.at(Attribute::Mean, i); parts.diffuse[i])
+        scene.materials->marks[i] = marks_at(*edit.set.marks, {p[0], p[1], p[2]}, middle);
+  }
   for (size_t i = 0; i < parts.diffuse.size(); ++i)
     if (parts.diffuse[i] && !scene.shows_sky(i)) change_surfel(scene, i, edit.set, scatter), ++n.diffuse;
   if (!edit.set.tint) return n;
@@ -169,6 +195,10 @@ Json described(const Edit& edit, const Counts& n) {
     json["set"]["scatter"] = fmt::format("{}{}", set.scatter->length, set.scatter->metres ? " m" : "");
     json["set"]["scatter_color"] = numbers(set.scatter->color);
   }
+  if (set.marks) {
+    json["set"][set.marks->turned ? "turned" : "brushed"] = numbers(set.marks->direction);
+    json["set"]["anisotropy"] = short_number(set.marks->anisotropy);
+  }
   json["surfels"] = n.diffuse;
   json["surfels_behind_glass"] = n.transmittance;
   json["mesh_vertices"] = n.vertices;
@@ -225,9 +255,11 @@ void run_edit(const EditConfig&, StageContext& context) {
     if (edit.set.transmission && scene.trained.surfels.transmittance.size() == 0)
       context.warning("NO_GLASS",
                       fmt::format("{}: the scene was trained without glass, so nothing is seen through it", edit.name));
-    if (edit.set.scatter && !scene.materials)
-      context.warning("NO_MATERIALS",
-                      fmt::format("{}: 'scatter' shows under another light only, and the scene has no materials", edit.name));
+    if ((edit.set.scatter || edit.set.marks) && !scene.materials)
+      context.warning(
+          "NO_MATERIALS",
+          fmt::format("{}: light below the surface and brush marks show under another light only, and the scene has no materials",
+                      edit.name));
     report["edits"].push_back(described(edit, n));
   }
   report["components"] = described(selector.components());

@@ -40,11 +40,19 @@ struct Scatter {
   Vec3f color{1, 1, 1};
 };
 
+// Marks of brushed metal, or of metal turned on a lathe.
+struct BrushMarks {
+  Vec3f direction{};  // unit: of the marks; or the axis that they run around, through the middle of the selected surfels
+  bool turned = false;
+  float anisotropy = 0.7f;
+};
+
 struct MaterialChange {
   std::optional<Vec3f> tint = {};  // factor of the albedo
   std::optional<Vec3f> f0 = {};
   std::optional<float> roughness = {}, specular_weight = {}, transmission = {};
   std::optional<Scatter> scatter = {};
+  std::optional<BrushMarks> marks = {};
 };
 
 struct Edit {

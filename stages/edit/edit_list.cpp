@@ -148,15 +148,40 @@ class Reader {
 
   MaterialChange change(const YamlNode& node) {
     MaterialChange out;
-    in_.only_keys(node, {"tint", "f0", "roughness", "k_s", "tau", "scatter", "scatter_color"});
+    in_.only_keys(node, {"tint", "f0", "roughness", "k_s", "tau", "scatter", "scatter_color", "brushed", "turned", "anisotropy"});
     if (node.kind != YamlNode::Kind::Map) return out;
-    if (node.entries.empty()) in_.complain(node, "nothing is set: tint, f0, roughness, k_s, tau or scatter");
+    if (node.entries.empty()) in_.complain(node, "nothing is set: tint, f0, roughness, k_s, tau, scatter, brushed or turned");
     out.tint = color(node, "tint", kMostTint);
     out.f0 = color(node, "f0", 1);
     out.roughness = value(node, "roughness");
     out.specular_weight = value(node, "k_s");
     out.transmission = value(node, "tau");
     out.scatter = scatter(node);
+    out.marks = brush_marks(node);
+    return out;
+  }
+
+  std::optional<BrushMarks> brush_marks(const YamlNode& map) {
+    const YamlNode *brushed = map.find("brushed"), *turned = map.find("turned"), *strength = map.find("anisotropy");
+    if (brushed != nullptr && turned != nullptr) {
+      in_.complain(*turned, "a metal is either 'brushed' or 'turned'");
+      return std::nullopt;
+    }
+    const YamlNode* node = brushed != nullptr ? brushed : turned;
+    if (node == nullptr) {
+      if (strength != nullptr)
+        in_.complain(*strength, "'anisotropy' needs the direction of the marks: 'brushed', or 'turned' and its axis");
+      return std::nullopt;
+    }
+    const auto xyz = in_.numbers(*node, 3, "a direction [x, y, z] in the scene's frame");
+    if (!xyz) return std::nullopt;
+    const Vec3d direction{(*xyz)[0], (*xyz)[1], (*xyz)[2]};
+    if (!(length(direction) > 0)) {
+      in_.complain(*node, "[0, 0, 0] is no direction");
+      return std::nullopt;
+    }
+    BrushMarks out{.direction = cast<float>(normalized(direction)), .turned = turned != nullptr};
+    if (const auto given = value(map, "anisotropy")) out.anisotropy = *given;
     return out;
   }
 

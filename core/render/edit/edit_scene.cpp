@@ -34,7 +34,8 @@ DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
           .specular_weight = remaining(m.specular_weight, keep.diffuse),
           .transmission = remaining(m.transmission, keep.diffuse),
           .albedo_behind_glass = remaining(m.albedo_behind_glass, keep.transmittance),
-          .scatter = remaining(m.scatter, m.scatter.empty() ? std::vector<uint8_t>() : keep.diffuse)};
+          .scatter = m.scatter.empty() ? m.scatter : remaining(m.scatter, keep.diffuse),
+          .marks = m.marks.empty() ? m.marks : remaining(m.marks, keep.diffuse)};
 }
 
 // Keeps a shape while at least half of its surfels remain: mirrors, coats, thin glass. Thin glass without surfels is kept.

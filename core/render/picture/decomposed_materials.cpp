@@ -3,8 +3,8 @@
 #include <array>
 #include <bit>
 #include <charconv>
-#include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -23,11 +23,24 @@ constexpr std::array<const char*, 9> kProperties{"albedo_r", "albedo_g", "albedo
                                                  "f0_g",     "f0_b",     "specular_weight", "transmission"};
 constexpr std::string_view kBeforeCount =
     "ply\nformat binary_little_endian 1.0\ncomment vitrine_relight_materials 1\ncomment color lin_rec709\nelement vertex ";
-constexpr std::string_view kBehindGlass = "element behind_glass ", kSubsurface = "element subsurface ";
-constexpr std::array<const char*, 3> kMeanFreePath{"mean_free_path_r", "mean_free_path_g", "mean_free_path_b"};
+constexpr std::array<const char*, 3> kMeanFreePath{"mean_free_path_r", "mean_free_path_g", "mean_free_path_b"},
+    kMarks{"marks_x", "marks_y", "marks_z"};
+constexpr std::span<const char* const> kAlbedo = std::span(kProperties).first(3);
+
+// Elements that a file may have, in this order.
+struct Element {
+  std::string_view word;
+  std::span<const char* const> names;
+  std::vector<Vec3f> DecomposedMaterials::*values;
+  float low, high;
+  bool of_diffuse;  // one per surfel of the diffuse layer
+};
+constexpr float kAny = std::numeric_limits<float>::max();
+constexpr Element kElements[] = {{"element behind_glass ", kAlbedo, &DecomposedMaterials::albedo_behind_glass, 0, 1, false},
+                                 {"element subsurface ", kMeanFreePath, &DecomposedMaterials::scatter, 0, kAny, true},
+                                 {"element brushed ", kMarks, &DecomposedMaterials::marks, -1, 1, true}};
 constexpr size_t kMaxSurfels = size_t(1) << 31;
 using Row = std::array<float, kProperties.size()>;
-constexpr std::span<const char* const> kAlbedo = std::span(kProperties).first(3);
 
 // The header lines of an element after its count.
 std::string properties(std::span<const char* const> names) {
@@ -50,9 +63,9 @@ void DecomposedMaterials::resize(size_t surfels) {
 
 void write_decomposed_materials(const fs::path& folder, const DecomposedMaterials& m) {
   std::string bytes = fmt::format("{}{}{}", kBeforeCount, m.size(), properties(kProperties));
-  const std::vector<Vec3f>& behind = m.albedo_behind_glass;
-  if (!behind.empty()) bytes += fmt::format("{}{}{}", kBehindGlass, behind.size(), properties(kAlbedo));
-  if (!m.scatter.empty()) bytes += fmt::format("{}{}{}", kSubsurface, m.scatter.size(), properties(kMeanFreePath));
+  for (const Element& e : kElements)
+    if (const auto& values = m.*e.values; !values.empty())
+      bytes += fmt::format("{}{}{}", e.word, values.size(), properties(e.names));
   bytes += kEndOfHeader;
   const size_t start = bytes.size();
   bytes.resize(start + m.size() * sizeof(Row));
@@ -62,8 +75,8 @@ void write_decomposed_materials(const fs::path& folder, const DecomposedMaterial
     std::memcpy(bytes.data() + start + i * sizeof(Row), row.data(), sizeof(Row));
   }
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  for (const std::vector<Vec3f>* more : {&behind, &m.scatter})
-    bytes.append(reinterpret_cast<const char*>(more->data()), more->size() * sizeof(Vec3f));
+  for (const Element& e : kElements)
+    bytes.append(reinterpret_cast<const char*>((m.*e.values).data()), (m.*e.values).size() * sizeof(Vec3f));
   const fs::path path = decomposed_materials_path(folder);
   make_folders(path.parent_path());
   write_file(path, bytes);
@@ -91,34 +104,33 @@ DecomposedMaterials read_decomposed_materials(const fs::path& folder) {
     return count;
   };
   const size_t count = element(kProperties);
-  size_t behind = 0, scattering = 0;
-  if (text.substr(at).starts_with(kBehindGlass)) {
-    at += kBehindGlass.size();
-    behind = element(kAlbedo);
-  }
-  if (text.substr(at).starts_with(kSubsurface)) {
-    at += kSubsurface.size();
-    scattering = element(kMeanFreePath);
-    if (scattering != count) throw fail(fmt::format("{} surfels have a material, {} a mean free path", count, scattering));
-  }
-  if (!text.substr(at).starts_with(kEndOfHeader)) throw fail("it has other properties than the decompose stage writes");
-  const size_t start = at + kEndOfHeader.size(), after = start + count * sizeof(Row);
-  const size_t wanted = count * sizeof(Row) + (behind + scattering) * sizeof(Vec3f), present = bytes.size() - start;
-  if (present != wanted) throw fail(fmt::format("{} surfels need {} bytes, {} are there", count + behind, wanted, present));
   DecomposedMaterials m;
   m.resize(count);
-  m.albedo_behind_glass.resize(behind);
-  if (behind > 0) std::memcpy(m.albedo_behind_glass.data(), bytes.data() + after, behind * sizeof(Vec3f));
-  m.scatter.resize(scattering);
-  if (scattering > 0) std::memcpy(m.scatter.data(), bytes.data() + after + behind * sizeof(Vec3f), scattering * sizeof(Vec3f));
-  for (size_t i = 0; i < scattering; ++i)
-    for (size_t c = 0; c < 3; ++c)
-      if (const float v = m.scatter[i][c]; !(v >= 0.f && std::isfinite(v)))
-        throw fail(fmt::format("{} of surfel {} is no length", kMeanFreePath[c], i));
-  for (size_t i = 0; i < behind; ++i)
-    for (size_t c = 0; c < kAlbedo.size(); ++c)
-      if (const float v = m.albedo_behind_glass[i][c]; !(v >= 0.f && v <= 1.f))
-        throw fail(fmt::format("{} of surfel {} behind glass is not in [0, 1]", kProperties[c], i));
+  size_t wanted = count * sizeof(Row), surfels = count;
+  for (const Element& e : kElements) {
+    if (!text.substr(at).starts_with(e.word)) continue;
+    at += e.word.size();
+    const size_t values = element(e.names);
+    if (e.of_diffuse && values != count) throw fail(fmt::format("{} surfels have materials, {} {}", count, values, e.names[0]));
+    wanted += values * sizeof(Vec3f), surfels += e.of_diffuse ? 0 : values;
+    if (wanted > bytes.size())
+      throw fail(fmt::format("{} surfels need at least {} bytes, {} are there", surfels, wanted, bytes.size()));
+    (m.*e.values).resize(values);
+  }
+  if (!text.substr(at).starts_with(kEndOfHeader)) throw fail("it has other properties than the decompose stage writes");
+  const size_t start = at + kEndOfHeader.size(), present = bytes.size() - start;
+  if (present != wanted) throw fail(fmt::format("{} surfels need {} bytes, {} are there", surfels, wanted, present));
+  size_t from = start + count * sizeof(Row);
+  for (const Element& e : kElements) {
+    std::vector<Vec3f>& values = m.*e.values;
+    if (!values.empty()) std::memcpy(values.data(), bytes.data() + from, values.size() * sizeof(Vec3f));
+    from += values.size() * sizeof(Vec3f);
+    for (size_t i = 0; i < values.size(); ++i)
+      for (size_t c = 0; c < 3; ++c)
+        if (const float v = values[i][c]; !(v >= e.low && v <= e.high))
+          throw fail(fmt::format("{} of surfel {}{} is not in [{}, {}]", e.names[c], i, e.of_diffuse ? "" : " behind glass",
+                                 e.low, e.high));
+  }
   for (size_t i = 0; i < count; ++i) {
     Row row;
     std::memcpy(row.data(), bytes.data() + start + i * sizeof(Row), sizeof(Row));

@@ -3,9 +3,9 @@
 // second element exists if the scene has a transmittance layer:
 //   vertex         albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
 //   behind_glass   albedo_r albedo_g albedo_b
-// and a third one, as long as the first, if an edit made a part scatter light below its surface
-// (core/render/relight/subsurface.h):
+// and two that edits add, as long as the first:
 //   subsurface     mean_free_path_r mean_free_path_g mean_free_path_b
+//   brushed        marks_x marks_y marks_z
 // All values are activated: albedo in [0, 1] linear, the others in [0, 1], lengths at least 0. Algorithms 7.1: radiance of a
 // diffuse surface = albedo / pi times irradiance, in the units of decompose/environment.exr. A surfel that shows the sky (distant
 // light, no surface) reflects nothing: albedo, f0 and specular weight are 0; under another light the environment replaces it.
@@ -29,6 +29,9 @@ struct DecomposedMaterials {
   std::vector<Vec3f> albedo_behind_glass;
   // [surfels] mean free path below the surface, scene units; 0: opaque. Empty: all are opaque.
   std::vector<Vec3f> scatter;
+  // [surfels] direction of the marks of brushed metal times its anisotropy (core/render/relight/microfacet.h). Empty: none is
+  // brushed.
+  std::vector<Vec3f> marks;
 
   size_t size() const { return albedo.size(); }  // of the diffuse layer
   bool shows_sky(size_t i) const { return albedo[i] == Vec3f{} && f0[i] == Vec3f{} && specular_weight[i] == 0; }

@@ -11,10 +11,19 @@ namespace vitrine {
 
 inline constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
 
+// Marks this nearly along the normal (squared sine) have no direction on the surface.
+inline constexpr float kLeastMarks = 1e-4f;
+
 // Shading frame: z is the normal.
 struct ShadingFrame {
   Vec3f t0, t1, n;
   explicit ShadingFrame(const Vec3f& normal) : n(normal) { tangents(normal, t0, t1); }
+  // t1 runs along the marks of brushed metal.
+  ShadingFrame(const Vec3f& normal, const Vec3f& marks) : ShadingFrame(normal) {
+    const Vec3f across = cross(marks, normal);
+    if (!(squared_length(across) > kLeastMarks * squared_length(marks))) return;
+    t0 = normalized(across), t1 = cross(normal, t0);
+  }
   Vec3f local(const Vec3f& v) const { return {dot(v, t0), dot(v, t1), dot(v, n)}; }
   Vec3f world(const Vec3f& v) const { return v.x * t0 + v.y * t1 + v.z * n; }
 };

@@ -50,16 +50,20 @@ void RelitPainter::set_lighting(Lighting lighting, const LitSceneDesc& desc) {
   glass_.relight(*lit_, desc);
 }
 
+// Where the mesh knows more of a pixel's surface than its surfels do; nullopt: nothing more is known.
+std::optional<SurfacePlace> RelitPainter::place_on_mesh(const LitPlace& at) const {
+  if (surface_.subsurface().empty() && surface_.marks().empty()) return std::nullopt;
+  const float reach = kNearMesh * surface_.grain();
+  return surface_.front_near(at.on_mesh + reach * at.normal, -at.normal, 2 * reach);
+}
+
 // Radiance of the light that leaves a place after it scattered below the surface. The share of the albedo that sends it is taken
 // from the material.
-Vec3f RelitPainter::from_below(ShownSurface& shown, const LitPlace& at, const Vec3f& eye) const {
+Vec3f RelitPainter::from_below(ShownSurface& shown, const SurfacePlace& place, const Vec3f& eye) const {
   const SubsurfaceFilter& filter = surface_.subsurface();
   if (filter.empty()) return {};
-  const float reach = kNearMesh * surface_.grain();
-  const auto place = surface_.front_near(at.on_mesh + reach * at.normal, -at.normal, 2 * reach);
-  if (!place) return {};
-  const Vec3f share = surface_.at(filter.share(), *place);
-  const Vec3f leaving = hadamard(share, surface_.at(lit_->irradiance(), *place)) / Microfacet::kPi;
+  const Vec3f share = surface_.at(filter.share(), place);
+  const Vec3f leaving = hadamard(share, surface_.at(lit_->irradiance(), place)) / Microfacet::kPi;
   const Vec3f diffuse = relit_weights(scene_.blend(), shown.material, eye.z).diffuse, albedo = shown.material.albedo;
   shown.material.albedo = hadamard(Vec3f{1, 1, 1} - share, albedo);
   return hadamard(diffuse, hadamard(albedo, leaving));
@@ -84,9 +88,12 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const auto shaded = [&](ShownSurface shown, const SamplePoints& points) {
     const LitPlace at = lit_place(surface_, scene_.trained.image.shape.set.get(), scene_.blend(), shown);
     shown.material.agreement = at.agreement;
-    const ShadingFrame frame(at.normal);
+    const auto place = place_on_mesh(at);
+    const Vec3f marks = place && !surface_.marks().empty() ? surface_.at(surface_.marks(), *place) : Vec3f{};
+    const ShadingFrame frame(at.normal, marks);
+    shown.material.anisotropy = std::min(length(marks), 1.f);
     const Vec3f eye = frame.local(shown.ray.view);
-    const Vec3f below = from_below(shown, at, eye);
+    const Vec3f below = place ? from_below(shown, *place, eye) : Vec3f{};
     const Microfacet scatter(scene_.blend(), shown.material, eye);
     return ShadedSurface{at, below + PixelShader(*lit_, scatter, frame, at.place, at.origin).shade(points, desc.samples),
                          scatter.transmission_weight()};

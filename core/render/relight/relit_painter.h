@@ -46,7 +46,8 @@ class RelitPainter {
   const LitScene& lit() const { return *lit_; }
 
  private:
-  Vec3f from_below(ShownSurface& shown, const LitPlace& at, const Vec3f& eye) const;
+  std::optional<SurfacePlace> place_on_mesh(const LitPlace& at) const;
+  Vec3f from_below(ShownSurface& shown, const SurfacePlace& place, const Vec3f& eye) const;
 
   RelitScene scene_;
   SceneSurface surface_;

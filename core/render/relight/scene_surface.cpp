@@ -86,6 +86,13 @@ void SceneSurface::take_materials(const RelitScene& scene) {
     subsurface_ =
         SubsurfaceFilter(mesh_, colors_at_vertices(painted_layer(surfels, scene.materials.scatter), mesh_, kReach * grain_, {}),
                          reflectance_, grain_);
+  if (!scene.materials.marks.empty()) {
+    std::vector<Vec3f> colors = scene.materials.marks;
+    const Vec3f middle{0.5f, 0.5f, 0.5f};
+    for (Vec3f& c : colors) c = middle + 0.5f * c;  // colours are not negative
+    marks_ = colors_at_vertices(painted_layer(surfels, colors), mesh_, kReach * grain_, middle);
+    for (Vec3f& m : marks_) m = 2.f * (m - middle);
+  }
   if (!glass_) return;
   const std::vector<Vec3f> at_vertices = colors_at_vertices(painted_layer(surfels, through), mesh_, kReach * grain_, {});
   transmittance_.resize(mesh_.faces.size());

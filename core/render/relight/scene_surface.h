@@ -26,6 +26,8 @@ class SceneSurface {
   bool surrounding(uint32_t face) const { return face >= near_faces_; }
   const std::vector<Vec3f>& reflectance() const { return reflectance_; }  // [v]
   const SubsurfaceFilter& subsurface() const { return subsurface_; }
+  // [v] direction of the marks of brushed metal, times its anisotropy. Empty: no metal is brushed.
+  const std::vector<Vec3f>& marks() const { return marks_; }
   // Mean edge length of the mesh: the unit of the distance between surfels and mesh, and of ray offsets.
   float grain() const { return grain_; }
 
@@ -96,6 +98,7 @@ class SceneSurface {
   std::vector<Vec3f> reflectance_;    // [v]
   std::vector<float> transmittance_;  // [f]
   SubsurfaceFilter subsurface_;
+  std::vector<Vec3f> marks_;
 };
 
 }  // namespace vitrine

@@ -187,6 +187,21 @@ TEST_F(EditStage, PartsScatterLightBelowTheirSurface) {
   EXPECT_EQ(scatter[TwoBalls::kSurfelsA + 5], Vec3f{}) << "the other ball is opaque";
 }
 
+TEST_F(EditStage, MetalIsBrushedAlongADirectionOrTurnedAroundAnAxis) {
+  const RelitScene scene = edited(
+      "  - select: {class: specular}\n    set: {brushed: [0, 0, 2], anisotropy: 0.5}\n"
+      "  - select: {component: 2}\n    set: {turned: [0, 0, 1]}\n");
+  const std::vector<Vec3f>& marks = scene.materials.marks;
+  ASSERT_EQ(marks.size(), scene.materials.size());
+  EXPECT_EQ(marks[0], (Vec3f{0, 0, 0.5f}));
+  for (size_t i = TwoBalls::kSurfelsA; i < TwoBalls::kSurfelsA + TwoBalls::kSurfelsB; i += 17) {
+    const float* p = balls().layer.at(Attribute::Mean, i);
+    EXPECT_NEAR(length(marks[i]), 0.7, 1e-5);
+    EXPECT_NEAR(marks[i].z, 0, 1e-6);
+    EXPECT_NEAR(dot(marks[i], Vec3f{p[0] - float(TwoBalls::kB.x), p[1], 0}), 0, 0.01) << "around the ball's axis";
+  }
+}
+
 TEST_F(EditStage, ScatteringThatTheSceneCannotHaveIsRefused) {
   const auto says = [](const Error& e, const char* what) {
     EXPECT_EQ(e.kind(), ErrorKind::Input);

@@ -17,6 +17,10 @@ std::vector<RelitMaterial> materials() {
     for (const float specular : {0.f, 0.02f, 0.3f, 1.f})
       for (const float f0 : {0.04f, 0.9f})
         for (const float tau : {0.f, 0.7f}) out.push_back({{1, 0.8f, 0.3f}, {f0, f0, 0.5f * f0}, roughness, specular, tau});
+  for (const float roughness : {0.5f, 0.7f})
+    for (const float anisotropy : {0.4f, 0.9f})
+      out.push_back(
+          {.albedo = {1, 0.8f, 0.3f}, .f0 = {0.9f, 0.9f, 0.5f}, .roughness = roughness, .specular = 1, .anisotropy = anisotropy});
   return out;
 }
 
@@ -41,6 +45,26 @@ TEST(Microfacet, NeverSendsMoreLightThanItGets) {
         EXPECT_LE(out + f.transmission_weight().x, 1.002)
             << int(blend) << " cos " << cosine << " rough " << m.roughness << " ks " << m.specular << " f0 " << m.f0.x;
       }
+}
+
+TEST(Microfacet, BrushedMetalIsRougherAcrossItsMarks) {
+  const RelitMaterial brushed{.f0 = {1, 1, 1}, .roughness = 0.3f, .specular = 1, .anisotropy = 0.8f};
+  const Microfacet f(LayerBlend::Layered, brushed, {0, 0, 1});
+  const float side = 0.5f, up = std::sqrt(1 - side * side);
+  const float across = f.value({side, 0, up}).x, along = f.value({0, side, up}).x;
+  EXPECT_GT(across, 5 * along);
+  // The density of the half vectors is that of an ellipsoid: it integrates to 1 over the projected hemisphere.
+  const double visible = over_hemisphere([&](const Vec3f& h) {
+    const Vec3f l = h.z * 2.f * h - Vec3f{0, 0, 1};
+    return l.z > 0 ? 4 * double(h.z) * f.pdf(l) : 0;
+  });
+  EXPECT_GT(visible, 0.8);  // the rest is reflected below the horizon
+  EXPECT_LT(visible, 1.01);
+  // Reciprocity: value is f n.l.
+  const Vec3f a = normalized(Vec3f{0.3f, 0.5f, 0.8f}), b = normalized(Vec3f{-0.6f, 0.2f, 0.5f});
+  const float there = Microfacet(LayerBlend::Layered, brushed, a).value(b).x / b.z;
+  const float back = Microfacet(LayerBlend::Layered, brushed, b).value(a).x / a.z;
+  EXPECT_NEAR(there, back, 1e-4 * there);
 }
 
 TEST(Microfacet, WhiteMattIsLambert) {

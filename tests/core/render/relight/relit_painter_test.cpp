@@ -232,6 +232,40 @@ TEST(RelitPainter, AMirrorShowsTheNewEnvironment) {
   EXPECT_GT(q.radiance.at(24, 18, 2), 0.8);
 }
 
+// The highlight of a ball turned about the vertical is a band along the meridian; brushed along the vertical, one around the
+// ball.
+TEST(RelitPainter, HighlightsOfBrushedMetalRunAcrossItsMarks) {
+  RelitScene scene = relit_ball({0, 0, 0});
+  std::ranges::fill(scene.materials.f0, Vec3f{1, 1, 1});
+  std::ranges::fill(scene.materials.roughness, 0.35f);
+  std::ranges::fill(scene.materials.specular_weight, 1.f);
+  Lighting light;
+  light.environment = Environment(ImageF(16, 8, 3, 0.f));
+  light.directionals = {{.towards = {1, 0, 0}, .irradiance = {1, 1, 1}}};
+  const View view = view_from({2, 0, 0});
+  // Extent of the highlight upwards over its extent sideways.
+  const auto upright = [&](bool turned) {
+    scene.materials.marks.resize(scene.materials.size());
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+      const float* p = scene.trained.surfels.diffuse.at(Attribute::Mean, i);
+      scene.materials.marks[i] = turned ? 0.7f * normalized(Vec3f{-p[1], p[0], 0} + Vec3f{0, 1e-6f, 0}) : Vec3f{0, 0, 0.7f};
+    }
+    RelitPainter painter(scene);
+    painter.set_lighting(light);
+    const ImageF picture = painter.picture(view, {.samples = 1}).radiance;
+    double sum = 0, xx = 0, yy = 0;
+    for (int y = 0; y < picture.height(); ++y)
+      for (int x = 0; x < picture.width(); ++x) {
+        const double v = picture.at(x, y, 0), dx = x + 0.5 - picture.width() / 2.0, dy = y + 0.5 - picture.height() / 2.0;
+        sum += v, xx += v * dx * dx, yy += v * dy * dy;
+      }
+    EXPECT_GT(sum, 0);
+    return std::sqrt(yy / xx);
+  };
+  EXPECT_GT(upright(true), 1.3);
+  EXPECT_LT(upright(false), 1 / 1.3);
+}
+
 TEST(RelitPainter, TheBytesDoNotDependOnThreads) {
   Lighting light;
   light.environment = axis_probe(64);
