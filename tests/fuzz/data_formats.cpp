@@ -12,6 +12,7 @@
 
 #include "core/intake/masks/mask_files.h"
 #include "core/learn/loss/feature_network.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/light/environment.h"
@@ -35,6 +36,12 @@ void fuzz_mesh_ply(std::span<const uint8_t> bytes) {
 void fuzz_surfel_ply(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("surfels.ply", text_of(bytes));
   refuses_or_reads([&] { read_layer(path); });
+}
+
+void fuzz_materials(std::span<const uint8_t> bytes) {
+  make_folders(fuzz_folder() / "decompose");
+  input_file("decompose/materials.ply", text_of(bytes));
+  refuses_or_reads([&] { read_decomposed_materials(fuzz_folder()); });
 }
 
 void fuzz_exr(std::span<const uint8_t> bytes) {
@@ -119,6 +126,22 @@ std::vector<std::string> mesh_ply_corpus() {
       "property ushort red\nproperty ushort green\nproperty ushort blue\nelement face 1\nproperty list uchar int vertex_index\n"
       "property float quality\nelement edge 1\nproperty list int int ends\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n"
       "0 1 0 1 2 3\n4 0 1 2 3 0.5\n2 0 1\n"};
+}
+
+std::vector<std::string> materials_corpus() {
+  TemporaryFolder folder;
+  const auto written = [&](const DecomposedMaterials& materials) {
+    write_decomposed_materials(folder.path(), materials);
+    return read_file(decomposed_materials_path(folder.path()));
+  };
+  DecomposedMaterials materials;
+  materials.resize(7);
+  std::vector<std::string> out{written(materials)};
+  materials.albedo_behind_glass.resize(3);
+  materials.scatter.resize(7, {0.1f, 0.2f, 0.3f});
+  materials.marks.resize(7, {0, 0.5f, -1});
+  out.push_back(written(materials));
+  return out;
 }
 
 std::vector<std::string> surfel_ply_corpus() {

@@ -8,8 +8,8 @@ namespace vitrine {
 std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), records_corpus();
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
-std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
-    onnx_corpus(), weights_corpus(), objects_corpus();
+std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), materials_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(),
+    tiff_corpus(), onnx_corpus(), weights_corpus(), objects_corpus();
 std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus(), gpano_corpus(), film_text_corpus(),
     film_corpus();
 
@@ -74,6 +74,10 @@ std::span<const FuzzFormat> fuzz_formats() {
       {"matrices", fuzz_matrices, matrices_corpus, numbers},
       {"mesh_ply", fuzz_mesh_ply, mesh_ply_corpus, ply},
       {"surfel_ply", fuzz_surfel_ply, surfel_ply_corpus, ply},
+      {"materials",
+       fuzz_materials,
+       materials_corpus,
+       {"element subsurface 7\n", "element brushed 7\n", "element behind_glass 0\n", "end_header\n"}},
       {"exr",
        fuzz_exr,
        exr_corpus,

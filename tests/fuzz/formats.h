@@ -38,6 +38,7 @@ void fuzz_matrices(std::span<const uint8_t> bytes);
 void fuzz_records(std::span<const uint8_t> bytes);
 void fuzz_mesh_ply(std::span<const uint8_t> bytes);
 void fuzz_surfel_ply(std::span<const uint8_t> bytes);
+void fuzz_materials(std::span<const uint8_t> bytes);
 void fuzz_exr(std::span<const uint8_t> bytes);
 void fuzz_hdr(std::span<const uint8_t> bytes);
 void fuzz_photo(std::span<const uint8_t> bytes);
