@@ -54,7 +54,7 @@ fs::path config_folder() {
   const char* chosen = std::getenv("VITRINE_CONFIG_DIR");
   if (chosen != nullptr && *chosen != 0) return chosen;
   // Next to the build folder, installed, or (build folder elsewhere) in the source tree.
-  const fs::path next_to_program = own_folder() / "../../configs", installed = own_folder() / "../share/vitrine/configs",
+  const fs::path next_to_program = own_folder() / "../../configs", installed = own_folder() / "../../share/vitrine/configs",
                  sources = VITRINE_SOURCE_CONFIGS;
   for (const fs::path& folder : {next_to_program, installed, sources})
     if (is_there(folder / "pipelines")) return folder.lexically_normal();
