@@ -22,5 +22,6 @@ int explain_command(const Words& words);
 int doctor_command(const Words& words);
 int config_command(const Words& words);
 int cache_command(const Words& words);
+int farm_command(const Words& words);
 
 }  // namespace vitrine

@@ -35,6 +35,7 @@ constexpr Command kCommands[] = {
     {"explain", "why a stage would be computed again", explain_command},
     {"config", "all options, their values and where they come from", config_command},
     {"cache", "size of the store; remove what is not current", cache_command},
+    {"farm", "many captures: a table of tasks, engines that run them, their state", farm_command},
     {"doctor", "what this machine has, and what is missing", doctor_command},
 };
 

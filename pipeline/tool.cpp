@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -49,6 +50,17 @@ Words quietness(const ToolOptions& o) {
   if (o.no_progress) words.emplace_back("--no-progress");
   if (o.quiet) words.emplace_back("--quiet");
   return words;
+}
+
+int farm_command(const Words& words) {
+  Words call{(own_folder() / "vitrine-farm").string()};
+  call.insert(call.end(), words.begin(), words.end());
+  std::vector<char*> arguments;
+  for (std::string& word : call) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(arguments[0], arguments.data());  // in place of this process: signals of an engine reach the run
+  throw Error(ErrorKind::Dependency, "vitrine-farm cannot be started",
+              {.where = call[0], .why = std::strerror(errno), .code = "NO_PROGRAM"});
 }
 
 fs::path tool_program(const std::string& tool) {

@@ -13,7 +13,7 @@ target_compile_options(vitrine_processor_check PRIVATE -march=x86-64 -O1 -fno-sa
 
 set(home lib/vitrine)  # not the multiarch folder: programs, no libraries for others
 
-set(programs vitrine vitrine-report vitrine_codecs vitrine_camera_codecs)
+set(programs vitrine vitrine-report vitrine-farm vitrine_codecs vitrine_camera_codecs)
 foreach(stage ${VITRINE_STAGES} ${VITRINE_TOOLS})
   list(APPEND programs vitrine-${stage})
   install(FILES ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/vitrine-${stage}.json DESTINATION ${home})

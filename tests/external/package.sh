@@ -23,7 +23,7 @@ fi
 source "$checkout/pipeline/setup.sh"
 install_packages "${VITRINE_PACKAGES[@]}" debootstrap lintian help2man dpkg-dev fakeroot
 
-programs=(vitrine vitrine-report $(sed -n 's/^set(VITRINE_\(STAGES\|TOOLS\) \([a-z ]*\))$/\2/p' "$checkout/stages/CMakeLists.txt" | tr ' ' '\n' | sed 's/^/vitrine-/'))
+programs=(vitrine vitrine-report vitrine-farm $(sed -n 's/^set(VITRINE_\(STAGES\|TOOLS\) \([a-z ]*\))$/\2/p' "$checkout/stages/CMakeLists.txt" | tr ' ' '\n' | sed 's/^/vitrine-/'))
 build "$checkout/build" "${programs[@]}" vitrine_page
 say "package"
 rm -f "$checkout"/build/vitrine_*.deb

@@ -54,6 +54,21 @@ class GivenInputs : public testing::Test {
   fs::path photos = folder.path() / "photos";
 };
 
+// A plan of a farm with the real stages: marks next to the photos are given, and costs are known.
+TEST_F(GivenInputs, PlansOfFarmsTakeTheMarksNextToPhotos) {
+  const fs::path capture = folder.path() / "captures/kettle", results = folder.path() / "results";
+  make_folders(capture / "photos");
+  for (const char* name : {"img_0001.jpg", "img_0002.jpg"}) write_ldr(capture / "photos" / name, Image8(60, 40, 3, 90));
+  write_file(capture / "marks.yaml", kRightMarks);
+  const Answer a = answer_of({"farm", "plan", capture.parent_path().string(), "-o", results.string(), "--cores", "2"});
+  ASSERT_EQ(a.code, 0) << a.text;
+  const std::string commands = read_file(results / "tasks.txt");
+  EXPECT_NE(commands.find("--masks " + (capture / "marks.yaml").string()), std::string::npos) << commands;
+  EXPECT_EQ(a.text.find("0.0 h the longest"), std::string::npos) << a.text;
+  write_file(capture / "marks.yaml", "size: [60, 40]\nmarks:\n  - {photo: none.jpg, class: specular, box: [1, 1, 20, 30]}\n");
+  EXPECT_EQ(answer_of({"farm", "plan", capture.parent_path().string(), "-o", results.string()}).code, 2);
+}
+
 TEST_F(GivenInputs, PhotosHaveTheNamesThatIngestGivesThem) {
   const PhotoNames names(photos);
   for (const char* name : {"img_0001.jpg", "img_0001", "upper.JPG", "upper_png.png", "linear.png", "linear"})
