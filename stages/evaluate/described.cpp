@@ -33,7 +33,7 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 28;
+  info.version = 29;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {
       {.name = "sfm", .doc = "cameras, gains and undistorted photos"},
@@ -77,6 +77,10 @@ StageReport evaluate_report() {
       ReportFigure{kViews, "ssim", "New views, SSIM", "", 3, 0.88, 0.75,
                    "The same pictures, structure instead of error; 1 is equal.",
                    "Fine structure is lost in pictures from new places.", "heldout.ssim"}
+          .measured_on("heldout.views", kFewestViews, "held-out views"),
+      ReportFigure{kViews, "flip", "New views, FLIP", "", 3, 0.13, 0.2,
+                   "The same pictures, as a person sees the difference who flips between the two; 0 is equal.",
+                   "Pictures from new places look different from photos.", "heldout.flip"}
           .measured_on("heldout.views", kFewestViews, "held-out views"),
       ReportFigure{kViews, "gap", "Training against new views", "dB", 1, 3, 6,
                    "By how much training photos come out better than held-out ones.",

@@ -150,6 +150,7 @@ class Evaluator {
     ViewScore score;
     score.name = view.name, score.heldout = heldout;
     score.psnr = psnr(render.srgb, photo, within), score.ssim = ssim(render.srgb, photo, within);
+    score.flip = flip(render.srgb, photo, within);
     if (result_.views.empty()) result_.resolution = render.intrinsics;
     RegionMasks masks = regions_->of(index, view, render.intrinsics);
     if (judged)
@@ -356,6 +357,7 @@ class Evaluator {
     const auto heldout = mean_score(result_, true);
     metric("heldout.psnr", heldout ? std::optional(heldout->psnr) : std::nullopt);
     metric("heldout.ssim", heldout ? std::optional(heldout->ssim) : std::nullopt);
+    metric("heldout.flip", heldout ? std::optional(heldout->flip) : std::nullopt);
     if (const ViewScore* v = strongest_neutral_shift(result_)) metric("neutral.shift", v->neutral_shift);
     if (const auto& t = result_.truth) {
       metric("truth.normal_mae_deg", t->normal_mae_deg);

@@ -5,6 +5,7 @@
 
 #include "core/foundation/base/json.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/image/metrics.h"
 #include "stages/evaluate/view_error.h"
 
 namespace vitrine {
@@ -23,7 +24,12 @@ Json definitions(const Evaluation& e) {
       "resolution";
   if (e.split.object_alone) d["within"] = "the object's masks, and what stands still with it: the scene was trained there alone";
   d["heldout.ssim"] = "SSIM (11x11 Gaussian window, sigma 1.5, per channel), same pictures, mean over held-out views";
-  d["train"] = "the same two figures over the training views: for reference only, the scene was fitted to them";
+  d["heldout.flip"] = fmt::format(
+      "LDR-FLIP (Andersson et al. 2020): 0 = no visible difference, 1 = the largest; {:.2f} pixels per degree of vision (a "
+      "display "
+      "0.7 m wide of 3840 pixels, seen from 0.7 m), same pictures, mean over pixels of a view, then over held-out views",
+      kFlipPixelsPerDegree);
+  d["train"] = "the same figures over the training views: for reference only, the scene was fitted to them";
   d["regions.*.psnr"] = fmt::format(
       "PSNR of the squared error pooled over the region's pixels of a held-out view, mean over views with at least {} such "
       "pixels; "
@@ -199,11 +205,11 @@ std::optional<double> mean_relit_psnr(const TruthScores& t) {
 }
 
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout) {
-  std::vector<double> psnr, ssim;
+  std::vector<double> psnr, ssim, flip;
   for (const ViewScore& v : e.views)
-    if (v.heldout == heldout) psnr.push_back(v.psnr), ssim.push_back(v.ssim);
+    if (v.heldout == heldout) psnr.push_back(v.psnr), ssim.push_back(v.ssim), flip.push_back(v.flip);
   if (psnr.empty()) return std::nullopt;
-  return MeanScore{mean(psnr), mean(ssim), psnr.size()};
+  return MeanScore{mean(psnr), mean(ssim), mean(flip), psnr.size()};
 }
 
 const ViewScore* strongest_neutral_shift(const Evaluation& e) {
@@ -217,7 +223,8 @@ std::string metrics_json(const Evaluation& e) {
   Json j;
   j["format"] = "vitrine-metrics 1";
   for (const auto& [key, heldout] : {std::pair{"heldout", true}, {"train", false}})
-    if (const auto m = mean_score(e, heldout)) j[key] = {{"psnr", m->psnr}, {"ssim", m->ssim}, {"views", m->views}};
+    if (const auto m = mean_score(e, heldout))
+      j[key] = {{"psnr", m->psnr}, {"ssim", m->ssim}, {"flip", m->flip}, {"views", m->views}};
   Json regions = Json::object();
   for (std::string_view region : kRegions)
     if (Json score = heldout_score(e, [&](const ViewScore& v) { return found(v.regions, std::string(region)); }); !score.empty())
@@ -253,14 +260,14 @@ std::string metrics_json(const Evaluation& e) {
 }
 
 std::string per_view_csv(const Evaluation& e) {
-  std::string csv = "name,set,psnr,ssim";
+  std::string csv = "name,set,psnr,ssim,flip";
   for (std::string_view region : kRegions) csv += fmt::format(",psnr_{}", region);
   csv += ",rotation_deg,centre_rel,normal_mae_deg,depth_rel,neutral_shift\n";
   const auto number = [](std::optional<double> v) {
     return v && std::isfinite(*v) ? fmt::format(",{:.6g}", *v) : std::string(",");
   };
   for (const ViewScore& v : e.views) {
-    csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim);
+    csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim) + number(v.flip);
     for (std::string_view region : kRegions) {
       const RegionError* error = found(v.regions, std::string(region));
       csv += number(error != nullptr ? std::optional(error->squared.psnr()) : std::nullopt);
@@ -275,9 +282,9 @@ std::string per_view_csv(const Evaluation& e) {
 std::string summary_line(const Evaluation& e) {
   std::string line;
   if (const auto m = mean_score(e, true))
-    line = fmt::format("PSNR {:.2f} dB, SSIM {:.3f} over {} held-out views", m->psnr, m->ssim, m->views);
+    line = fmt::format("PSNR {:.2f} dB, SSIM {:.3f}, FLIP {:.3f} over {} held-out views", m->psnr, m->ssim, m->flip, m->views);
   else if (const auto train = mean_score(e, false))
-    line = fmt::format("training views only: PSNR {:.2f} dB, SSIM {:.3f}", train->psnr, train->ssim);
+    line = fmt::format("training views only: PSNR {:.2f} dB, SSIM {:.3f}, FLIP {:.3f}", train->psnr, train->ssim, train->flip);
   if (!e.truth) return line;
   const TruthScores& t = *e.truth;
   if (t.normal_mae_deg) line += fmt::format(", normals {:.1f} deg", *t.normal_mae_deg);

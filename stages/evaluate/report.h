@@ -24,7 +24,7 @@ namespace vitrine {
 struct ViewScore {
   std::string name;
   bool heldout = false;
-  double psnr = 0, ssim = 0;
+  double psnr = 0, ssim = 0, flip = 0;
   RegionErrors regions;
   std::map<uint16_t, RegionError> objects;  // by id in the table of objects
   std::optional<PoseError> pose;
@@ -68,7 +68,7 @@ struct Evaluation {
 };
 
 struct MeanScore {
-  double psnr = 0, ssim = 0;
+  double psnr = 0, ssim = 0, flip = 0;
   size_t views = 0;
 };
 // Mean over the environments; nullopt without any.

@@ -25,6 +25,7 @@ constexpr std::string_view kEnd = "<!-- end of results -->\n";
 constexpr const char* kFigures[] = {
     "heldout.psnr",
     "heldout.ssim",
+    "heldout.flip",
     "heldout.views",
     "train.psnr",
     "regions.transparent.psnr",

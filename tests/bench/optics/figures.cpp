@@ -32,6 +32,7 @@ constexpr FigureKind kFigureKinds[] = {
     {"normals_rest", "truth.regions.rest.normal_mae_deg", "n.rest", 1, false, true},
     {kCpuFigure, "", "CPU s", 0, false, true},
     {"ssim", "heldout.ssim", "SSIM", 4, true, false},
+    {"flip", "heldout.flip", "FLIP", 4, false, false},
     {"train", "train.psnr", "train", 2, true, false},
     {"object", "regions.object.psnr", "object", 2, true, false},
     {"specular", "regions.specular.psnr", "specular", 2, true, false},

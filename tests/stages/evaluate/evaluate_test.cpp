@@ -26,6 +26,7 @@ TEST(EvaluateStage, TrueSceneScoresAbove45Decibels) {
   const json m = metrics_of(context, quick());
   EXPECT_GT(m["heldout"]["psnr"].get<double>(), 45);
   EXPECT_GT(m["heldout"]["ssim"].get<double>(), 0.999);
+  EXPECT_LT(m["heldout"]["flip"].get<double>(), 0.02);
   EXPECT_GT(m["train"]["psnr"].get<double>(), 45);
   EXPECT_EQ(m["heldout"]["views"], 1);
   EXPECT_EQ(m["train"]["views"], 7);

@@ -55,9 +55,11 @@ TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
   const json whole = judged(false), alone = judged(true);
   EXPECT_LT(whole["heldout"]["psnr"].get<double>(), 15);
   EXPECT_LT(whole["heldout"]["ssim"].get<double>(), 0.8);
+  EXPECT_GT(whole["heldout"]["flip"].get<double>(), 0.1);
   EXPECT_LT(whole["regions"]["specular"]["psnr"].get<double>(), 15);
   EXPECT_GT(alone["heldout"]["psnr"].get<double>(), 45);
   EXPECT_GT(alone["heldout"]["ssim"].get<double>(), 0.98);
+  EXPECT_LT(alone["heldout"]["flip"].get<double>(), 0.02);
   EXPECT_GT(alone["regions"]["specular"]["psnr"].get<double>(), 45);  // its half on the object
 }
 
