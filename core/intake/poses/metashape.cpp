@@ -1,5 +1,6 @@
 // Facts: Metashape Professional manual, "Camera models": x in units of f, r^2 = x^2 + y^2,
-// x' = x (1 + K1 r^2 + K2 r^4 + K3 r^6 + K4 r^8) + P1 (r^2 + 2 x^2) + 2 P2 x y, so that P1 is p2 of OpenCV and P2 is p1;
+// x' = x (1 + K1 r^2 + K2 r^4 + K3 r^6 + K4 r^8) + (P1 (r^2 + 2 x^2) + 2 P2 x y) (1 + P3 r^2 + P4 r^4), y' alike, so that P1 is
+// p2 of OpenCV and P2 is p1;
 // u = width / 2 + cx + x' (f + B1) + y' B2, v = height / 2 + cy + y' f. Camera axes: x right, y down, z forward.
 #include <algorithm>
 #include <cmath>
@@ -42,6 +43,32 @@ Rigid chunk_from_camera(const XmlFile& file, pugi::xml_node transform) {
   return {matrix_of(file, transform, n, 4), {n[3], n[7], n[11]}};
 }
 
+// Terms of the lens that the camera models of COLMAP lack.
+struct HigherTerms {
+  double k4 = 0, p3 = 0, p4 = 0;
+};
+constexpr double kInvisible = 0.2;  // pixels
+
+// Largest distance in pixels by which the terms move a pixel of the picture.
+double moved_by(const HigherTerms& higher, const BrownLens& lens, const ColmapCamera& camera, double f) {
+  if (higher.k4 == 0 && higher.p3 == 0 && higher.p4 == 0) return 0;
+  constexpr int kSteps = 32;
+  const Intrinsics pinhole = pinhole_part(camera);
+  double largest = 0;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; j <= kSteps; ++j) {
+      const Vec2d pixel{double(camera.width) * i / kSteps, double(camera.height) * j / kSteps};
+      const Vec3d straight = pinhole.ray(pixel.x, pixel.y);  // where the lens without the terms folds over
+      const Vec2d ray = unproject(camera, pixel).value_or(Vec2d{straight.x, straight.y});
+      const double x = ray.x, y = ray.y, r2 = x * x + y * y;
+      const double radial = higher.k4 * r2 * r2 * r2 * r2, tangential = higher.p3 * r2 + higher.p4 * r2 * r2;
+      const double dx = x * radial + (lens.p2 * (r2 + 2 * x * x) + 2 * lens.p1 * x * y) * tangential;
+      const double dy = y * radial + (lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y) * tangential;
+      largest = std::max(largest, f * std::hypot(dx, dy));
+    }
+  return largest;
+}
+
 ColmapCamera sensor_camera(const XmlFile& file, pugi::xml_node sensor) {
   pugi::xml_node calibration = sensor.find_child_by_attribute("calibration", "class", "adjusted");
   if (!calibration) calibration = file.child(sensor, "calibration");
@@ -62,15 +89,19 @@ ColmapCamera sensor_camera(const XmlFile& file, pugi::xml_node sensor) {
   if (!(f > 0 && fx > 0)) file.fail(calibration, "the focal length is not positive");
   if (const double skew = value("b2"); std::abs(skew) > kSmallSkew * f)
     file.fail(calibration.child("b2"), fmt::format("the pixels are sheared: b2 is {:.4g} for a focal length of {:.4g}", skew, f));
-  for (const char* name : {"k4", "p3", "p4"})
-    if (value(name) != 0)
-      file.fail(calibration.child(name),
-                fmt::format("<{}> is not zero; supported are k1, k2, k3, p1, p2, b1: optimise the cameras "
-                            "without it (Tools > Optimize Cameras), or undistort the photos",
-                            name));
-  return brown_camera(
-      {int(std::lround(width)), int(std::lround(height)), fx, f, 0.5 * width + value("cx"), 0.5 * height + value("cy")},
-      {.k1 = value("k1"), .k2 = value("k2"), .k3 = value("k3"), .p1 = value("p2"), .p2 = value("p1")});
+  const BrownLens lens{.k1 = value("k1"), .k2 = value("k2"), .k3 = value("k3"), .p1 = value("p2"), .p2 = value("p1")};
+  const ColmapCamera camera = brown_camera(
+      {int(std::lround(width)), int(std::lround(height)), fx, f, 0.5 * width + value("cx"), 0.5 * height + value("cy")}, lens);
+  const HigherTerms higher{.k4 = value("k4"), .p3 = value("p3"), .p4 = value("p4")};
+  if (const double moved = moved_by(higher, lens, camera, f); moved > kInvisible)
+    file.fail(
+        calibration.child(higher.k4 != 0   ? "k4"
+                          : higher.p3 != 0 ? "p3"
+                                           : "p4"),
+        fmt::format("<k4>, <p3> and <p4> move pixels by up to {:.2g}, above {} they are not left out; supported are k1, "
+                    "k2, k3, p1, p2, b1: optimise the cameras without them (Tools > Optimize Cameras), or undistort the photos",
+                    moved, kInvisible));
+  return camera;
 }
 
 // Cameras in file order, also those inside groups.
