@@ -29,10 +29,10 @@ trap cleanup EXIT
 
 say "captures"
 mkdir -p "$work/caps/good" "$work/caps/stopped" "$work/caps/lens cap"
-cp "$checkout"/sample_data/tiny_room/photos/* "$work/caps/good/"
-cp "$checkout"/sample_data/tiny_room/photos/* "$work/caps/stopped/"
-for photo in "$work"/caps/good/*; do ffmpeg -loglevel error -f lavfi -i color=black:s=160x120 -frames:v 1 "$work/caps/lens cap/$(basename "${photo%.*}").png"; done
-options=(--preset preview --set optimize.iterations=400 --set refine.fine_tune.iterations=10)
+cp "$checkout"/sample_data/cabinet/photos/*[02468].* "$work/caps/good/"
+cp "$work"/caps/good/* "$work/caps/stopped/"
+for photo in "$work"/caps/good/*; do ffmpeg -loglevel error -f lavfi -i color=black:s=320x240 -frames:v 1 "$work/caps/lens cap/$(basename "${photo%.*}").png"; done
+options=(--preset preview --set ingest.max_side=320 --set optimize.iterations=150 --set refine.fine_tune.iterations=10)
 "$vitrine" farm plan "$work/caps" -o "$work/res" --cores 1 -- "${options[@]}"
 
 say "Slurm"

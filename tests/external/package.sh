@@ -47,14 +47,14 @@ mount --rbind /dev "$root/dev"
 cp "$deb" "$root/tmp/"
 "$checkout/build/bin/vitrine" --version >/dev/null
 mkdir "$root/photos"
-cp "$checkout"/sample_data/tiny_room/photos/* "$root/photos/"
+cp "$checkout"/sample_data/cabinet/photos/*[02468].* "$root/photos/"
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive bash -c "$1"; }
 
 say "apt-get install ./$(basename "$deb")"
 inside "apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/$(basename "$deb") >/tmp/apt.log 2>&1 || { tail -n 20 /tmp/apt.log >&2; exit 1; }"
 
 say "vitrine run"
-inside "vitrine doctor && vitrine run /photos -o /out --preset preview --set optimize.iterations=60 --set refine.fine_tune.iterations=10 --no-progress"
+inside "{ vitrine doctor || [ $? -eq 7 ]; } && vitrine run /photos -o /out --preset preview --set optimize.iterations=60 --set refine.fine_tune.iterations=10 --no-progress"
 for file in out/report.html out/mesh/mesh.ply out/view.html usr/share/man/man1/vitrine-run.1.gz usr/share/bash-completion/completions/vitrine; do
   [ -s "$root/$file" ] || fail "/$file is missing"
 done
