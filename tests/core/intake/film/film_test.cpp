@@ -220,9 +220,11 @@ TEST_F(Films, HdrBecomesLinearOverItsDiffuseWhite) {
   };
   for (const Curve& curve : {Curve{"smpte2084", 573, 16}, Curve{"arib-std-b67", 721, 18}}) {
     const fs::path film = at("hdr.mkv"), frame = at("hdr.png");
+    // By a filter: as options of the output, ffmpeg 7 takes them for a wish to convert.
     ffmpeg({"-f", "lavfi", "-i", "color=black:size=32x24:rate=5:duration=0.2,format=yuv420p10le", "-vf",
-            fmt::format("geq=lum={}:cb=512:cr=576", curve.luma), "-c:v", "ffv1", "-color_primaries", "bt2020", "-color_trc",
-            curve.name, "-colorspace", "bt2020nc", "-color_range", "tv", film.string()});
+            fmt::format("geq=lum={}:cb=512:cr=576,setparams=range=tv:color_primaries=bt2020:color_trc={}:colorspace=bt2020nc",
+                        curve.luma, curve.name),
+            "-c:v", "ffv1", film.string()});
     write_film_frames(read_film_info(film), {{0, frame}}, [](size_t) {});
     const ImageF seen = read_linear_photo(frame, read_photo_head(frame)).linear;
     ImageF expected(2, 1, 3);  // this colour, and grey of its luma
