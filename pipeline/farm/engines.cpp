@@ -7,7 +7,6 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "pipeline/graph.h"
-#include "pipeline/tool.h"
 
 namespace vitrine {
 
@@ -22,6 +21,12 @@ fs::path program(const char* name, const char* package) {
                 {.hint = fmt::format("apt-get install {}; or hand tasks.txt, one command a line, to another engine", package),
                  .code = "NO_ENGINE"});
   return *found;
+}
+
+// Without the variables that tie a child to this process: an engine hands its environment on to the tasks.
+int submitted(const Words& words) {
+  const ProcessResult result = run_process({.arguments = words, .inherit_output = true});
+  return result.signal != 0 ? 128 + result.signal : result.exit_code;
 }
 
 }  // namespace
@@ -58,14 +63,14 @@ int submit_farm(const fs::path& results, const std::vector<FarmTask>& tasks, Far
     const fs::path sbatch = program("sbatch", "slurm-client"), script = results / "array.sbatch";
     make_folders(results / "logs");
     write_file(script, slurm_script(results, tasks, at_once));
-    return run_and_tell({sbatch.string(), script.string()});
+    return submitted({sbatch.string(), script.string()});
   }
   int cores = 1;
   for (const FarmTask& t : tasks) cores = std::max(cores, t.cores);
   const int jobs = at_once > 0 ? at_once : std::max(1, hardware_threads() / cores);
-  return run_and_tell({program("parallel", "parallel").string(), "--will-cite", "--jobs", std::to_string(jobs), "--joblog",
-                       (results / "joblog.tsv").string(), "--resume-failed", "--termseq", "TERM,120000,KILL,25", "--arg-file",
-                       (results / "tasks.txt").string()});
+  return submitted({program("parallel", "parallel").string(), "--will-cite", "--jobs", std::to_string(jobs), "--joblog",
+                    (results / "joblog.tsv").string(), "--resume-failed", "--termseq", "TERM,120000,KILL,25", "--arg-file",
+                    (results / "tasks.txt").string()});
 }
 
 }  // namespace vitrine
