@@ -17,6 +17,7 @@
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
 #include "pipeline/measures_in_photos.h"
+#include "pipeline/preset_costs.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 
@@ -131,64 +132,6 @@ CaptureSize capture_size(const Json& report, bool masks) {
     if (p.contains("width")) sides.push_back(std::minmax(p["width"].get<double>(), p["height"].get<double>()));
   take_typical_size(std::move(sides), c);
   return c;
-}
-
-struct PresetCost {
-  std::string preset;
-  std::vector<std::pair<std::string, std::optional<StageCost>>> stages;
-  std::vector<std::string> unknown;  // stages without an estimate, with the reason
-  double seconds = 0;
-  size_t memory = 0, disk = 0;
-};
-
-std::vector<PresetCost> preset_costs(const Graph& graph, const Subject& subject, const CaptureSize& capture, int threads) {
-  std::vector<PresetCost> costs;
-  std::vector<CostTerms> terms;
-  for (const std::string& name : preset_names()) {
-    Settings settings(graph);
-    settings.load({.flags = {{"preset", name, "--preset"},
-                             {"input.photos", subject.photos.string(), "PHOTOS"},
-                             {"input.truth", subject.truth, "the project"}}});
-    terms.push_back(cost_terms(settings, capture, threads));
-    costs.push_back({.preset = name, .stages = {}, .unknown = {}});
-  }
-  for (const StageNode& node : graph.nodes) {
-    const CostAnswer answer = stage_costs(node, terms);
-    for (size_t i = 0; i < costs.size(); ++i) {
-      PresetCost& sum = costs[i];
-      if (answer.costs.empty()) {
-        sum.stages.push_back({node.name, std::nullopt});
-        sum.unknown.push_back(fmt::format("{} ({})", node.name, answer.problem));
-        continue;
-      }
-      const StageCost& cost = answer.costs[i];
-      sum.stages.push_back({node.name, cost});
-      sum.seconds += cost.seconds(threads);
-      sum.memory = std::max(sum.memory, cost.memory_bytes);
-      sum.disk += cost.disk_bytes;
-    }
-  }
-  std::sort(costs.begin(), costs.end(), [](const PresetCost& a, const PresetCost& b) { return a.seconds < b.seconds; });
-  return costs;
-}
-
-Json costs_json(const std::vector<PresetCost>& costs, int threads) {
-  Json j{{"threads", threads}, {"presets", Json::array()}};
-  for (const PresetCost& c : costs) {
-    Json stages = Json::object();
-    for (const auto& [name, stage] : c.stages)
-      stages[name] = stage ? Json{{"seconds", stage->seconds(threads)},
-                                  {"cpu_seconds", stage->cpu_s},
-                                  {"memory_bytes", stage->memory_bytes},
-                                  {"disk_bytes", stage->disk_bytes}}
-                           : Json();
-    j["presets"].push_back({{"preset", c.preset},
-                            {"seconds", c.seconds},
-                            {"memory_bytes", c.memory},
-                            {"disk_bytes", c.disk},
-                            {"stages", std::move(stages)}});
-  }
-  return j;
 }
 
 // --- text output: 80 columns -----------------------------------------------------------------------------------------------
@@ -381,7 +324,8 @@ int inspect_command(const Words& words) {
   Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();
-  const std::vector<PresetCost> costs = preset_costs(graph, subject, capture_size(report, subject.has_masks()), threads);
+  const std::vector<PresetCost> costs =
+      preset_costs(graph, {.photos = subject.photos, .truth = subject.truth}, capture_size(report, subject.has_masks()), threads);
   report["estimates"] = costs_json(costs, threads);
   if (a.json) {
     std::cout << report.dump() << "\n";
