@@ -71,7 +71,7 @@ job="$("$vitrine" farm submit "$work/res" --engine slurm --at-once 2 | grep -oE 
 echo "job $job"
 # The tasks are in the order of their names: good 1, lens cap 2, stopped 3.
 training() { grep -qs '"optimize' "$work/res/stopped/events.jsonl" && grep -qs 'step' "$work/res/stopped/events.jsonl"; }
-for _ in $(seq 600); do training && break; sleep 0.5; done
+for _ in $(seq 3600); do training && break; sleep 0.5; done
 training || fail "the third task never trained"
 say "SIGTERM to the task that trains"
 scancel --signal=TERM --batch "${job}_3"
@@ -82,7 +82,7 @@ sleep 5
 pkill -9 -x slurmd || true
 sleep 3
 slurmd
-for _ in $(seq 900); do
+for _ in $(seq 2400); do
   [ -z "$(squeue -h -j "$job" 2>/dev/null)" ] && break
   scontrol release "$job" 2>/dev/null || true  # a requeued task is held for a while where slurmd was away
   sleep 1
