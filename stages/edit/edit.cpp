@@ -265,15 +265,16 @@ void run_edit(const EditConfig&, StageContext& context) {
   report["components"] = described(selector.components());
   report["components_in_all"] = selector.components().size();
   const fs::path out = context.output() / "edited";
-  write_edit_scene(scene, folders, out);
+  const size_t before = scene.there.diffuse.size(), surfels = count(scene.there.diffuse);
+  scene.trained.surfels.opaque = SplatLayer();  // the opaque twin contains the scene before all edits
+  write_edit_scene(kept(std::move(scene)), folders, out);
   write_file(out / "edits.yaml", read_file(file));
   write_file(out / "report.json", report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-  const size_t surfels = count(scene.there.diffuse), gone = scene.there.diffuse.size() - surfels;
   context.metric("edits", double(edits.size()));
   context.metric("surfels", double(surfels));
-  context.metric("deleted", double(gone));
-  context.summary(fmt::format("{} {}; {} of {} surfels deleted", edits.size(), edits.size() == 1 ? "edit" : "edits", gone,
-                              scene.there.diffuse.size()));
+  context.metric("deleted", double(before - surfels));
+  context.summary(fmt::format("{} {}; {} of {} surfels deleted", edits.size(), edits.size() == 1 ? "edit" : "edits",
+                              before - surfels, before));
 }
 
 Stage edit_stage() {

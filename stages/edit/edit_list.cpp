@@ -1,13 +1,9 @@
 #include "stages/edit/edit.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "core/foundation/config/chart.h"
-#include "core/intake/masks/photo_marks.h"
-#include "core/intake/masks/photo_masks.h"
+#include "core/render/edit/selection_file.h"
 
 namespace vitrine {
 
@@ -46,11 +42,8 @@ class Reader {
     const YamlNode *select = node.find("select"), *set = node.find("set"), *remove = node.find("delete");
     if (select == nullptr) {
       in_.complain(node, "an edit needs 'select': a class, an object, a box, marks, a component, or 'all'");
-    } else if (select->kind == YamlNode::Kind::Scalar) {
-      if (select->text != "all") in_.complain(*select, fmt::format("\"{}\" is no selection: 'all', or a map", select->text));
-      out.wanted = "all";
     } else {
-      out.select = selector(*select, true, out.wanted);
+      out.select = read_selector(in_, *select, views_, out.wanted);
     }
     if ((set == nullptr) == (remove == nullptr)) {
       in_.complain(node, "an edit has either 'set' or 'delete: true'");
@@ -61,89 +54,6 @@ class Reader {
       out.set = change(*set);
     }
     return out;
-  }
-
-  Selector selector(const YamlNode& node, bool outer, std::string& words) {
-    Selector out;
-    std::vector<std::string> keys{"class", "object", "box", "marks", "component"};
-    if (outer) keys.emplace_back("except");
-    in_.only_keys(node, keys);
-    if (node.kind != YamlNode::Kind::Map) return out;
-    if (node.entries.empty()) in_.complain(node, "it selects nothing; 'select: all' selects everything");
-    const auto add = [&](const std::string& text) { words += (words.empty() ? "" : ", ") + text; };
-    if (const YamlNode* kind = node.find("class")) {
-      out.kind = mask_class(kind->text);
-      if (!out.kind) in_.complain(*kind, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind->text));
-      add(fmt::format("class {}", kind->text));
-    }
-    if (const YamlNode* object = node.find("object")) {
-      if (object->kind != YamlNode::Kind::Scalar || object->text.empty())
-        in_.complain(*object, "an object is selected by its name in objects/objects.json");
-      else
-        out.object = object->text;
-      add(fmt::format("object {}", object->text));
-    }
-    if (const YamlNode* box = node.find("box")) {
-      out.box = world_box(*box);
-      if (out.box)
-        add(fmt::format("box [{}, {}, {}] to [{}, {}, {}]", out.box->low.x, out.box->low.y, out.box->low.z, out.box->high.x,
-                        out.box->high.y, out.box->high.z));
-    }
-    if (const YamlNode* marks = node.find("marks")) {
-      if (marks->kind != YamlNode::Kind::List || marks->items.empty())
-        in_.complain(*marks, "marks must be a list of marks in photos");
-      else
-        for (const YamlNode& one : marks->items) add_mark(one, out.marks);
-      add(fmt::format("{} {}", marks->items.size(), marks->items.size() == 1 ? "mark" : "marks"));
-    }
-    if (const YamlNode* component = node.find("component")) {
-      const auto n = in_.number(*component);
-      if (n && !(*n >= 1 && *n <= 1e9 && *n == std::floor(*n)))
-        in_.complain(*component, "components are numbered from 1, the one with most faces");
-      else if (n)
-        out.component = size_t(*n);
-      add(fmt::format("component {}", component->text));
-    }
-    if (const YamlNode* except = outer ? node.find("except") : nullptr) {
-      std::string left_out;
-      out.except.push_back(selector(*except, false, left_out));
-      words += (words.empty() ? "all but " : " but not ") + left_out;
-    }
-    return out;
-  }
-
-  std::optional<Bounds3> world_box(const YamlNode& node) {
-    const auto b = in_.numbers(node, 6, "[x0, y0, z0, x1, y1, z1] in the scene's frame");
-    if (!b) return std::nullopt;
-    const Bounds3 box{{(*b)[0], (*b)[1], (*b)[2]}, {(*b)[3], (*b)[4], (*b)[5]}};
-    if (box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z) return box;
-    in_.complain(node, "x0 must be smaller than x1, y0 than y1, z0 than z1");
-    return std::nullopt;
-  }
-
-  void add_mark(const YamlNode& node, std::vector<EditMark>& marks) {
-    in_.only_keys(node, {"photo", "box", "polygon", "size"});
-    if (node.kind != YamlNode::Kind::Map) return;
-    const YamlNode* photo = node.find("photo");
-    if (photo == nullptr) return in_.complain(node, "a mark names its photo");
-    const auto view = marked_view(in_, *photo, views_);
-    auto region = marked_region(in_, node);
-    if (!view || !region) return;
-    const Intrinsics& k = views_[*view].intrinsics;
-    Vec2d size{double(k.width), double(k.height)};
-    if (const YamlNode* given = node.find("size")) {
-      const auto s = in_.numbers(*given, 2, "[width, height] of the photo in pixels");
-      if (!s) return;
-      size = {(*s)[0], (*s)[1]};
-      if (!same_shape(k.width, k.height, size.x, size.y))
-        return in_.complain(*given, fmt::format("this photo has {}x{} pixels, or as many in proportion", k.width, k.height));
-    }
-    for (Vec2d& p : region->corners) {
-      if (p.x < 0 || p.y < 0 || p.x > size.x || p.y > size.y)
-        return in_.complain(node, fmt::format("({}, {}) lies outside a photo of {}x{}", p.x, p.y, size.x, size.y));
-      p = {p.x * k.width / size.x, p.y * k.height / size.y};
-    }
-    marks.push_back({*view, std::move(region->corners)});
   }
 
   MaterialChange change(const YamlNode& node) {

@@ -92,6 +92,15 @@ bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t
   return length(nearest(entry.shape, p).position - p) <= kOnShape * entry.tolerance;
 }
 
+void EditScene::keep_all() {
+  there.diffuse.assign(trained.surfels.diffuse.size(), 1);
+  there.transmittance.assign(trained.surfels.transmittance.size(), 1);
+  there.vertices.assign(mesh.positions.size(), 1);
+  there.faces.assign(mesh.faces.size(), 1);
+  there.walls.assign(surroundings.positions.size(), 1);
+  there.content.assign(content.positions.size(), 1);
+}
+
 EditScene read_edit_scene(const EditFolders& folders) {
   EditScene scene;
   scene.trained = read_trained_scene(folders.optimize, folders.refine);
@@ -108,44 +117,48 @@ EditScene read_edit_scene(const EditFolders& folders) {
     if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);
   }
   if (const fs::path content = behind_glass_path(folders.mesh); fs::exists(content)) scene.content = read_mesh_ply(content);
-  scene.there.diffuse.assign(scene.trained.surfels.diffuse.size(), 1);
-  scene.there.transmittance.assign(scene.trained.surfels.transmittance.size(), 1);
-  scene.there.vertices.assign(scene.mesh.positions.size(), 1);
-  scene.there.faces.assign(scene.mesh.faces.size(), 1);
-  scene.there.walls.assign(scene.surroundings.positions.size(), 1);
-  scene.there.content.assign(scene.content.positions.size(), 1);
+  scene.keep_all();
+  return scene;
+}
+
+EditScene kept(EditScene scene) {
+  const Parts keep = std::move(scene.there);
+  SplatScene& surfels = scene.trained.surfels;
+  ImageOptions& image = scene.trained.image;
+  image.transmission.thick = remaining(image.transmission.thick, scene.mesh, keep.faces);
+  image.shape.set = remaining(image.shape.set, surfels.diffuse, keep.diffuse);
+  if (image.panes.mirrored < keep.diffuse.size())
+    image.panes.mirrored = static_cast<size_t>(
+        std::count(keep.diffuse.begin(), keep.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));
+  surfels.diffuse = kept_surfels(surfels.diffuse, keep.diffuse);
+  surfels.transmittance = kept_surfels(surfels.transmittance, keep.transmittance);
+  if (scene.materials) scene.materials = remaining(*scene.materials, keep);
+  scene.mesh = submesh(scene.mesh, keep.faces);
+  scene.content = submesh(scene.content, whole_faces(scene.content, keep.content));
+  scene.surroundings = submesh(scene.surroundings, whole_faces(scene.surroundings, keep.walls));
+  scene.keep_all();
   return scene;
 }
 
 void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs::path& folder) {
   for (const char* sub : {"gaussians", "optimize", "mesh"}) make_folders(folder / sub);
   const SplatScene& surfels = scene.trained.surfels;
-  const auto write = [&](const SplatLayer& layer) {
-    if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
-  };
-  write(kept_surfels(surfels.diffuse, scene.there.diffuse));
-  write(surfels.reflection);  // the opaque twin is not written: it contains the scene before all edits
-  write(kept_surfels(surfels.transmittance, scene.there.transmittance));
-  write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
+  for (const LayerKind kind : kAllLayers)
+    if (const SplatLayer& layer = surfels.layer(kind); layer.size() > 0)
+      write_layer(folder / "gaussians" / fmt::format("{}.ply", name(kind)), layer);
+  if (surfels.opaque.size() > 0) write_layer(folder / "gaussians" / "opaque.ply", surfels.opaque);
+  write_mesh_ply(folder / "mesh" / "mesh.ply", scene.mesh);
+  if (!scene.content.faces.empty()) write_mesh_ply(behind_glass_path(folder), scene.content);
   const auto copy = [&](const fs::path& source, const fs::path& relative) {
     std::error_code ec;
     if (fs::exists(source / relative, ec)) write_file(folder / relative, read_file(source / relative));
   };
-  if (const TriMesh content = submesh(scene.content, whole_faces(scene.content, scene.there.content)); !content.faces.empty())
-    write_mesh_ply(behind_glass_path(folder), content);
-  ImageOptions image = scene.trained.image;
-  image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
-  image.shape.set = remaining(image.shape.set, surfels.diffuse, scene.there.diffuse);
-  if (image.panes.mirrored < scene.there.diffuse.size())
-    image.panes.mirrored = static_cast<size_t>(
-        std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));
-  write_image_options(folder / "optimize" / "model.json", image);
+  write_image_options(folder / "optimize" / "model.json", scene.trained.image);
   copy(from.optimize, fs::path("optimize") / "views.json");
-  if (!from.decompose) return;
-  write_decomposed_materials(folder, remaining(*scene.materials, scene.there));
+  if (!scene.materials) return;
+  write_decomposed_materials(folder, *scene.materials);
   copy(*from.decompose, fs::path("decompose") / "environment.exr");
-  const TriMesh walls = submesh(scene.surroundings, whole_faces(scene.surroundings, scene.there.walls));
-  if (!walls.faces.empty()) write_mesh_ply(decomposed_surroundings_path(folder), walls);
+  if (!scene.surroundings.faces.empty()) write_mesh_ply(decomposed_surroundings_path(folder), scene.surroundings);
 }
 
 }  // namespace vitrine

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/scene/mesh/tri_mesh.h"
 #include "core/render/picture/decomposed_materials.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
@@ -33,6 +33,7 @@ struct EditScene {
   TriMesh content;                               // surfaces behind glass (behind_glass.ply of the mesh stage), or empty
   Parts there;                                   // 1: not deleted by an edit
 
+  void keep_all();  // sets all flags
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
 };
 
@@ -41,8 +42,10 @@ bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t
 
 // Throws Error{Input} with file and cause, also when the files belong to different scenes.
 EditScene read_edit_scene(const EditFolders& folders);
-// Writes the remaining parts. Solid glass loses the part of its glass wall that lies on deleted mesh faces. Files that edits do
-// not change (views, light of the photos) are copied.
+// The remaining parts. Solid glass loses the part of its glass wall that lies on deleted mesh faces. The reflection layer and the
+// opaque twin stay as they are.
+EditScene kept(EditScene scene);
+// Writes all parts, whatever the flags. Files that edits do not change (views, light of the photos) are copied.
 void write_edit_scene(const EditScene& scene, const EditFolders& from, const std::filesystem::path& folder);
 
 }  // namespace vitrine
