@@ -12,6 +12,8 @@
 namespace vitrine {
 
 bool is_project(const fs::path& folder);  // true if an earlier run made it: it has vitrine.yaml
+// True if `vitrine compose` made it: there are no photos to compute it from.
+bool is_composition(const fs::path& folder);
 // The output folder named on the command line. Throws Error{Input} if it is none.
 fs::path project_of(const std::string& word);
 // Output folder of `vitrine run PHOTOS` without -o.

@@ -91,6 +91,14 @@ struct Target {
   bool fresh = true;   // replaces the project's settings; false: they are a settings layer
 };
 
+void refuse_composition(const fs::path& project) {
+  if (!is_composition(project)) return;
+  throw Error(ErrorKind::Usage, "this folder is a composition: it has no photos to compute it from",
+              {.where = project.string(),
+               .hint = "vitrine compose SCENE.yaml -o " + join_command({project.string()}),
+               .code = "COMPOSITION"});
+}
+
 Target target_of(const RunArguments& a) {
   const fs::path what = fs::absolute(a.what).lexically_normal();
   std::error_code ec;
@@ -100,6 +108,7 @@ Target target_of(const RunArguments& a) {
                  .hint = "give a folder of photos, or the output folder of an earlier run",
                  .code = "MISSING_INPUT"});
   if (is_project(what)) {
+    refuse_composition(what);
     if (!a.output.empty() && !(lies_in(a.output, what) && lies_in(what, a.output)))
       throw Error(ErrorKind::Usage, "this is the output folder of an earlier run: it cannot have another one",
                   {.where = what.string(), .hint = "leave out -o, or give the folder of photos", .code = "USAGE"});
@@ -109,6 +118,7 @@ Target target_of(const RunArguments& a) {
   if (fs::is_directory(what, ec) && lies_in(project, what))
     throw Error(ErrorKind::Usage, "the output folder lies inside the folder of photos",
                 {.where = project.string(), .hint = "choose another one with -o", .code = "USAGE"});
+  refuse_composition(project);
   return {project, what.string(), !is_project(project) || settings_untouched(project)};
 }
 

@@ -11,6 +11,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/process.h"
 #include "pipeline/graph.h"
+#include "pipeline/project.h"
 
 namespace vitrine {
 
@@ -74,13 +75,20 @@ fs::path tool_program(const std::string& tool) {
 
 Words tool_call(const std::string& tool, const fs::path& project, const ToolInputs& inputs) {
   const auto current = current_keys(project);
-  for (const std::string& stage : inputs.stages)
-    if (!current.contains(stage))
+  for (const std::string& stage : inputs.stages) {
+    if (current.contains(stage)) continue;
+    if (is_composition(project))
       throw Error(ErrorKind::Input, inputs.missing,
                   {.where = project.string(),
-                   .why = fmt::format("the stage '{}' has not been computed", stage),
-                   .hint = "vitrine run " + join_command({project.string()}),
-                   .code = "NO_SCENE"});
+                   .why = fmt::format("a part of this composition has no artifact of the stage '{}'", stage),
+                   .hint = "vitrine run that part, then vitrine compose again",
+                   .code = "PART_INCOMPLETE"});
+    throw Error(ErrorKind::Input, inputs.missing,
+                {.where = project.string(),
+                 .why = fmt::format("the stage '{}' has not been computed", stage),
+                 .hint = "vitrine run " + join_command({project.string()}),
+                 .code = "NO_SCENE"});
+  }
   Words words = {tool_program(tool).string(), "--store", store_of(project).string()};
   std::vector<std::string> stages = inputs.stages;
   std::ranges::copy_if(inputs.optional, std::back_inserter(stages), [&](const std::string& s) { return current.contains(s); });

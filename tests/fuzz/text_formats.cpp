@@ -1,4 +1,4 @@
-// YAML and JSON files: configurations, lights, marks, edits; the records that stages leave for each other and for the report.
+// YAML and JSON files: configurations, lights, marks, edits, compositions; the records that stages leave for each other and for the report.
 #include "core/foundation/artifact/manifest.h"
 #include "core/foundation/config/schema.h"
 #include "core/intake/masks/marks_check.h"
@@ -8,6 +8,7 @@
 #include "core/scene/camera/view_set.h"
 #include "core/scene/light/lighting.h"
 #include "pipeline/report_page/facts.h"
+#include "stages/compose/compose.h"
 #include "stages/edit/edit.h"
 #include "stages/masks/boxes/marks_file.h"
 #include "tests/core/foundation/config/example.h"
@@ -67,6 +68,12 @@ void fuzz_edits(std::span<const uint8_t> bytes) {
   refuses_or_reads([&] { read_edits(path, two_views()); });
 }
 
+void fuzz_compositions(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("scene.yaml", text_of(bytes));
+  refuses_or_reads([&] { composition_files(path); });
+  refuses_or_reads([&] { read_composition(path); });
+}
+
 // photos.json, scene.json, gains.json, views.json, a manifest, run.json, a line of events.jsonl, a CSV: all readers get the same
 // bytes.
 void fuzz_records(std::span<const uint8_t> bytes) {
@@ -122,6 +129,14 @@ std::vector<std::string> edits_corpus() {
       "      component: 2\n      except: {class: transparent}\n"
       "    set: {tint: 0.5, f0: [1, 0.8, 0.3], roughness: 0.2, k_s: 0.1, tau: 0}\n"
       "  - select: all\n    set: {tint: [2, 1, 0]}\n  - select: {component: 1}\n    delete: true\n"};
+}
+
+// No project is there: places are read before their artifacts.
+std::vector<std::string> compositions_corpus() {
+  return {
+      "parts:\n  - project: room\n  - project: ../kettle\n    name: a kettle\n    edited: true\n    select: {object: kettle}\n"
+      "    place: {translate: [0.5, 0, -0.25], rotate: {axis: [0, 0, 1], angle: 30}, scale: 1.5}\n",
+      "parts:\n  - {project: room, place: {scale: 2}}\n", "parts:\n  - {project: room, select: all}\n"};
 }
 
 std::vector<std::string> records_corpus() {

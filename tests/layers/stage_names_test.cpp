@@ -20,7 +20,7 @@ struct Exception {
 };
 
 constexpr Exception kExceptions[] = {
-    {"main.cpp", "inspect mark render relight view edit export", "words of the command line, not stages"},
+    {"main.cpp", "inspect mark render relight view edit compose export", "words of the command line, not stages"},
     {"run_command.cpp", "masks objects normals", "flags --masks, --objects and --normals"},
     {"inspect_command.cpp", "masks", "flag --masks"},
     {"given_inputs.cpp", "masks", "the outside input that --masks gives; advice with options of the stage that reads it"},
@@ -40,6 +40,7 @@ constexpr Exception kExceptions[] = {
     {"mark_command.cpp", "mark sfm masks", "vitrine mark: cameras and masks of an earlier run"},
     {"pages.cpp", "view sfm optimize refine mesh decompose masks objects", "vitrine view"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks objects", "vitrine edit, and which results an edit replaces"},
+    {"compose_command.cpp", "compose view sfm optimize mesh decompose masks objects", "vitrine compose: the artifacts it makes"},
     {"inspect_command.cpp", "mark", "advice: the command vitrine mark"},
     {"inspect_command.cpp", "inspect sfm", "vitrine inspect: cameras of an earlier run"},
     {"rehearsal.cpp", "ingest sfm", "vitrine inspect --poses: a run up to sfm on small copies of the photos"},

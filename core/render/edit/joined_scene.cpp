@@ -122,6 +122,10 @@ std::vector<uint16_t> take_objects(ScenePart& part, ObjectSet& table) {
   std::vector<uint16_t> renumbered(size_t(UINT16_MAX) + 1, 0), own;
   uint16_t last = table.objects.empty() ? uint16_t(0) : table.objects.back().id;
   std::vector<uint8_t> stays(part.objects.shapes.entries.size());
+  // Borders of labelled parts may have no label: an object of the part's name is for surfels.
+  const auto surfels = part.scene.trained.surfels.diffuse.object_ids();
+  const bool labelled = std::ranges::find(surfels, uint16_t(0)) == surfels.end();
+  if (labelled && used.size() > 1) used.erase(0);
   for (const uint16_t id : used) {
     if (last >= kMostObjects)
       throw Error(ErrorKind::Input, "the composition has no free object id left",
@@ -137,6 +141,7 @@ std::vector<uint16_t> take_objects(ScenePart& part, ObjectSet& table) {
     table.objects.push_back(std::move(object));
     for (size_t i = 0; known != nullptr && i < stays.size(); ++i) stays[i] |= part.objects.shapes.entries[i].object == id;
   }
+  if (renumbered[0] == 0) renumbered[0] = own.front();
   const auto renumber = [&](ShapeSet set) {
     for (ShapeSet::Entry& e : set.entries) e.object = renumbered[e.object];
     return set;

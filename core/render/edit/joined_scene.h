@@ -1,8 +1,8 @@
 // The union of several scenes in one frame. The first part is the host: its object ids, image formation and light stay.
 //
 // Surfels, meshes, walls, materials and known shapes of all parts follow each other. Object ids of the other parts are
-// renumbered; what has no object there gets one of the part's name, so that edits can select the part and relighting can tell
-// guest from host. A guess about unobserved regions (PaneOptions::mirrored) stays behind all surfels that were observed. The
+// renumbered; what has no object there gets one of the part's name, so that edits can select the part and relighting knows
+// the guests. A guess about unobserved regions (PaneOptions::mirrored) stays behind all surfels that were observed. The
 // opaque twin of a part without one is its diffuse layer.
 #pragma once
 

@@ -81,6 +81,18 @@ TEST(JoinedScene, ObjectsKeepTheirNamesAndGetTheirOwnIds) {
   EXPECT_EQ(all.scene.mesh.object_ids.back(), 5);
 }
 
+TEST(JoinedScene, UnlabelledBordersOfAnObjectAreItsOwn) {
+  ScenePart vase = part("vase", 2);
+  vase.objects.objects = {{.id = 7, .name = "vase"}};
+  vase.scene.trained.surfels.diffuse.set_object_ids({7, 7});
+  vase.scene.mesh.object_ids.assign(vase.scene.mesh.positions.size(), 7);
+  vase.scene.mesh.object_ids[3] = 0;
+  const JoinedScene all = joined({part("room", 2), vase});
+  ASSERT_EQ(all.objects.objects.size(), 1u);
+  EXPECT_EQ(all.scene.mesh.object_ids.back(), 1);
+  EXPECT_EQ(all.scene.mesh.object_ids[all.scene.mesh.object_ids.size() / 2 + 3], 1);
+}
+
 TEST(JoinedScene, ADiffuseLayerTakesThePlaceOfAMissingTwin) {
   ScenePart room = part("room", 2), vase = part("vase", 3);
   room.scene.trained.surfels.opaque = SplatLayer(LayerKind::Diffuse, 0, 5);
