@@ -152,11 +152,12 @@ int render_command(const Words& words) {
 
 int relight_command(const Words& words) {
   PictureArguments a;
-  std::string environment, lights, rotate, exposure;
+  std::string environment, lights, rotate, exposure, over;
   int turntable = 0, samples = 0;
   PictureTool tool{.name = "relight",
                    .folder = "relit",
                    .stages = {"sfm", "optimize", "mesh", "decompose"},
+                   .optional_stages = {"refine", "compose"},
                    .missing = "this scene cannot be relit yet",
                    .words = {}};
   CommandLine cli(
@@ -165,6 +166,8 @@ int relight_command(const Words& words) {
       "folder. Without --env and --lights: under the light of the photos.");
   cli.value("env", 'e', "FILE", environment, "Environment map: lat-long, 2:1, OpenEXR or Radiance HDR.");
   cli.value("lights", 0, "FILE", lights, "Point, directional and area lights: a YAML file (stages/relight/README.md).");
+  cli.value("over", 0, "PHOTO", over,
+            "A photo of a composition's first part: the other parts and their shadow over it, as RGBA EXR (vitrine compose).");
   cli.value("rotate", 0, "DEG", rotate, "Turn the environment about the vertical, counter-clockwise seen from above.");
   cli.value("turntable", 0, "N", turntable, 0, "N frames of a camera that goes around the scene, and a film if ffmpeg is there.");
   cli.value("spp", 0, "N", samples, 0, "Samples a pixel; default 64. Noise halves with four times as many.");
@@ -182,6 +185,7 @@ int relight_command(const Words& words) {
   if (!environment.empty())
     add_input_file("env", environment, "a lat-long map as OpenEXR (.exr) or Radiance HDR (.hdr)", tool.words);
   if (!lights.empty()) add_input_file("lights", lights, "a YAML file of lights: stages/relight/README.md shows one", tool.words);
+  set("over", over);
   set("rotate", rotate);
   set("exposure", exposure);
   if (!exposure.empty()) set("auto_exposure", "false");

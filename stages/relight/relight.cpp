@@ -9,17 +9,20 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/rng.h"
+#include "core/foundation/config/photo_name_finder.h"
 #include "core/render/relight/relit_painter.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/contact_sheet.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr size_t kSheetCells = 24;  // the first pictures
+constexpr size_t kNamedPhotos = 8;  // in the message for a photo without a camera
 
 // Folder name of a light: its file names without characters that file systems or shells may reject.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
@@ -89,6 +92,32 @@ void check_shadows(const Lighting& lighting, const LitScene& lit, StageContext& 
   context.warning("LIGHT_NONE", why + ": the pictures show the environment alone");
 }
 
+// The photo of the host that --over names, with its camera, at the size of the pictures.
+GuestDesc photo_of_host(const RelightConfig& config, const StageContext& context) {
+  const fs::path sfm = context.input("sfm"), list = context.input("optimize") / "optimize" / "views.json";
+  const std::vector<View> views = load_view_set(sfm).views;
+  std::vector<std::string> names;
+  for (const View& v : views) names.push_back(v.name);
+  const auto found = PhotoNameFinder(names).match(config.over).photo;
+  if (!found)
+    throw Error(ErrorKind::Input, fmt::format("'{}' has no camera in this scene", config.over),
+                {.where = sfm.string(),
+                 .why = fmt::format(
+                     "photos with a camera: {}{}",
+                     fmt::join(names.begin(), names.begin() + std::min<ptrdiff_t>(ptrdiff_t(names.size()), kNamedPhotos), ", "),
+                     names.size() > kNamedPhotos ? fmt::format(" and {} more", names.size() - kNamedPhotos) : ""),
+                 .hint = "--over takes a photo of the first part of the composition, by its name in images/",
+                 .code = "NO_CAMERA"});
+  GuestDesc desc{.view = views[*found], .photo = {}, .samples = config.samples, .seed = static_cast<uint64_t>(config.seed)};
+  const ImageF photo = read_exr_rgb(linear_image_path(sfm, desc.view));
+  desc.view.intrinsics = desc.view.intrinsics.limited_to(config.width > 0 ? std::max(config.width, config.height)
+                                                                          : read_view_split(list, views).max_side);
+  desc.photo = resized(photo, desc.view.intrinsics.width, desc.view.intrinsics.height);
+  if (config.auto_exposure && (context.optional_input("env") || context.optional_input("lights"))) return desc;
+  desc.stops = config.exposure;  // the light of the photos has their units
+  return desc;
+}
+
 std::vector<View> chosen_views(const RelightConfig& config, const StageContext& context) {
   PictureViewsDesc desc{.which = config.views,
                         .sfm = context.input("sfm"),
@@ -132,6 +161,7 @@ void write_film(const fs::path& ffmpeg, const fs::path& folder, const fs::path& 
 }
 
 std::string problem_of(const RelightConfig& c) {
+  if (!c.over.empty() && (c.turntable > 0 || c.views == ViewChoice::Path)) return "a picture over a photo has the photo's camera";
   return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
 }
 
@@ -153,11 +183,34 @@ void write_settings(const fs::path& path, const RelightConfig& c, double exposur
   write_file(path, json.dump(2) + "\n");
 }
 
+void relight_over_photo(const Lighting& lighting, const std::string& label, GuestDesc desc, StageContext& context,
+                        const RelightConfig& config) {
+  const EditScene scene = read_edit_scene({.optimize = context.input("optimize"),
+                                           .mesh = context.input("mesh"),
+                                           .refine = context.optional_input("refine"),
+                                           .decompose = context.input("decompose")});
+  const GuestPicture picture = guest_over_photo(scene, guest_ids(context.input("compose")), lighting, desc);
+  const fs::path out = context.output() / "relit" / (label + "_over"), stem = out / desc.view.stem();
+  make_folders(stem.parent_path());
+  write_exr(fs::path(stem.string() + ".exr"), {picture.over, {"R", "G", "B", "A"}, {}});
+  write_exr_rgb(fs::path(stem.string() + "_shadow.exr"), picture.shadow);
+  write_ldr(fs::path(stem.string() + ".png"), developed(picture.composite, 0));
+  desc.view.name = desc.view.stem() + ".png";
+  write_transforms_json(out / "transforms.json", {desc.view}, ".");
+  write_settings(out / "settings.json", config, desc.stops.value_or(0), lighting, false);
+  context.metric("views", 1);
+  context.summary(fmt::format("the guest over {} at {} spp", config.over, config.samples));
+}
+
 }  // namespace
 
 void describe(Describer& d, RelightConfig& c) {
   d.choice("views", c.views, kViewChoiceWords, "Cameras: held-out photos, training photos, both, or those of the input `path`.");
   d.option("turntable", c.turntable, "Frames of a camera that goes around the scene; 0 = the views.").range(0, 100000);
+  d.option(
+      "over", c.over,
+      "Name of a photo of a composition's first part: the other parts and their shadow over it, as RGBA EXR; empty: pictures of "
+      "the whole scene.");
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Samples a pixel: noise halves with four times as many.").range(1, 65536);
@@ -173,7 +226,13 @@ void describe(Describer& d, RelightConfig& c) {
 
 void run_relight(const RelightConfig& config, StageContext& context) {
   // Errors in light and cameras are reported before any computation.
-  const std::vector<View> all_views = chosen_views(config, context);
+  const bool over = !config.over.empty();
+  if (over && !context.optional_input("compose"))
+    throw Error(
+        ErrorKind::Input, "there is no guest to put over a photo",
+        {.why = "the scene is no composition", .hint = "vitrine compose SCENE.yaml -o DIR, then that DIR", .code = "NO_GUEST"});
+  const std::vector<View> all_views = over ? std::vector<View>{} : chosen_views(config, context);
+  const GuestDesc guest = over ? photo_of_host(config, context) : GuestDesc{};
   RelitScene scene = read_relit_scene({.optimize = context.input("optimize"),
                                        .refine = context.optional_input("refine"),
                                        .mesh = context.input("mesh"),
@@ -185,6 +244,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
   if (environment && brightest > 0 && brightest <= 1)
     context.warning("ENV_LOW_RANGE", fmt::format("no texel of {} is brighter than 1: was it made from a display picture?",
                                                  environment->filename().string()));
+  if (over) return relight_over_photo(lighting, label_of(environment, context.optional_input("lights")), guest, context, config);
   const bool glass = scene.trained.surfels.transmittance.size() > 0;
   const bool solid_glass = scene.trained.image.transmission.thick != nullptr;
   RelitPainter painter(std::move(scene));
@@ -235,13 +295,14 @@ void run_relight(const RelightConfig& config, StageContext& context) {
 Stage relight_stage() {
   StageInfo info{
       .name = "relight",
-      .version = 11,
+      .version = 12,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
                  {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                  {.name = "mesh", .doc = "The mesh that throws shadows and is seen in mirrors."},
                  {.name = "decompose", .doc = "Materials and the light of the photos."},
+                 {.name = "compose", .optional = true, .doc = "The parts of a composition, for a picture over a photo."},
                  {.name = "env",
                   .artifact = false,
                   .optional = true,

@@ -35,7 +35,7 @@ constexpr Exception kExceptions[] = {
     // Commands of one program each, and the results that the program reads.
     {"export_command.cpp", "export sfm optimize mesh refine decompose objects", "vitrine export"},
     {"project.h", "export", "export/, which a run and vitrine export share"},
-    {"picture_commands.cpp", "render relight sfm optimize mesh decompose refine", "vitrine render, vitrine relight"},
+    {"picture_commands.cpp", "render relight sfm optimize mesh decompose refine compose", "vitrine render, vitrine relight"},
     {"page_commands.cpp", "view", "vitrine view"},
     {"mark_command.cpp", "mark sfm masks", "vitrine mark: cameras and masks of an earlier run"},
     {"pages.cpp", "view sfm optimize refine mesh decompose masks objects", "vitrine view"},

@@ -70,8 +70,8 @@ Vec3f GlassContent::arriving_at(const LitScene& lit, size_t surfel) const {
   const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
   const float reach = kGlassReach * surface_->grain();
   for (const Vec3f& n : {normal, -normal})
-    if (const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach))
-      return surface_->at(lit.irradiance(), *place) / std::numbers::pi_v<float>;
+    if (const auto place = lit.surface().front_near(mean + reach * n, -n, 2 * reach))
+      return lit.surface().at(lit.irradiance(), *place) / std::numbers::pi_v<float>;
   return lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples);
 }
 

@@ -46,24 +46,33 @@ RelitPainter::RelitPainter(RelitScene scene)
 
 void RelitPainter::set_lighting(Lighting lighting, const LitSceneDesc& desc) {
   lighting_ = std::move(lighting);
-  lit_ = std::make_unique<LitScene>(surface_, lighting_, desc);
+  lit_ = std::make_shared<const LitScene>(surface_, lighting_, desc);
+  glass_.relight(*lit_, desc);
+}
+
+void RelitPainter::share_lighting(const RelitPainter& other, const LitSceneDesc& desc) {
+  lighting_ = other.lighting_;
+  lit_ = other.lit_;
   glass_.relight(*lit_, desc);
 }
 
 // Where the mesh knows more of a pixel's surface than its surfels do; nullopt: nothing more is known.
-std::optional<SurfacePlace> RelitPainter::place_on_mesh(const LitPlace& at) const {
+std::optional<SurfacePlace> RelitPainter::place_on_mesh(const LitPlace& at, const SceneSurface& surface) const {
   if (surface_.subsurface().empty() && surface_.marks().empty()) return std::nullopt;
   const float reach = kNearMesh * surface_.grain();
-  return surface_.front_near(at.on_mesh + reach * at.normal, -at.normal, 2 * reach);
+  return surface.front_near(at.on_mesh + reach * at.normal, -at.normal, 2 * reach);
 }
 
 // Radiance of the light that leaves a place after it scattered below the surface. The share of the albedo that sends it is taken
 // from the material.
-Vec3f RelitPainter::from_below(ShownSurface& shown, const SurfacePlace& place, const Vec3f& eye) const {
+Vec3f RelitPainter::from_below(ShownSurface& shown, const LitPlace& at, const SurfacePlace& place, const Vec3f& eye) const {
   const SubsurfaceFilter& filter = surface_.subsurface();
   if (filter.empty()) return {};
+  const SceneSurface& lit = lit_->surface();  // another one, with other vertices, if the lighting is shared
+  const auto lit_place = &lit == &surface_ ? std::optional(place) : place_on_mesh(at, lit);
+  if (!lit_place) return {};
   const Vec3f share = surface_.at(filter.share(), place);
-  const Vec3f leaving = hadamard(share, surface_.at(lit_->irradiance(), place)) / Microfacet::kPi;
+  const Vec3f leaving = hadamard(share, lit.at(lit_->irradiance(), *lit_place)) / Microfacet::kPi;
   const Vec3f diffuse = relit_weights(scene_.blend(), shown.material, eye.z).diffuse, albedo = shown.material.albedo;
   shown.material.albedo = hadamard(Vec3f{1, 1, 1} - share, albedo);
   return hadamard(diffuse, hadamard(albedo, leaving));
@@ -88,12 +97,12 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const auto shaded = [&](ShownSurface shown, const SamplePoints& points) {
     const LitPlace at = lit_place(surface_, scene_.trained.image.shape.set.get(), scene_.blend(), shown);
     shown.material.agreement = at.agreement;
-    const auto place = place_on_mesh(at);
+    const auto place = place_on_mesh(at, surface_);
     const Vec3f marks = place && !surface_.marks().empty() ? surface_.at(surface_.marks(), *place) : Vec3f{};
     const ShadingFrame frame(at.normal, marks);
     shown.material.anisotropy = std::min(length(marks), 1.f);
     const Vec3f eye = frame.local(shown.ray.view);
-    const Vec3f below = place ? from_below(shown, *place, eye) : Vec3f{};
+    const Vec3f below = place ? from_below(shown, at, *place, eye) : Vec3f{};
     const Microfacet scatter(scene_.blend(), shown.material, eye);
     return ShadedSurface{at, below + PixelShader(*lit_, scatter, frame, at.place, at.origin).shade(points, desc.samples),
                          scatter.transmission_weight()};

@@ -39,6 +39,9 @@ class RelitPainter {
 
   // Takes seconds to a minute; throws (core/foundation/base/process.h) when the program must stop.
   void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
+  // The lighting of another painter, whose scene contains this one: its surfaces throw shadows and light on what this one shows.
+  // The other must outlive this one.
+  void share_lighting(const RelitPainter& other, const LitSceneDesc& desc = {});
   // At the size of the view's intrinsics; its gain is ignored.
   RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});
 
@@ -46,8 +49,8 @@ class RelitPainter {
   const LitScene& lit() const { return *lit_; }
 
  private:
-  std::optional<SurfacePlace> place_on_mesh(const LitPlace& at) const;
-  Vec3f from_below(ShownSurface& shown, const SurfacePlace& place, const Vec3f& eye) const;
+  std::optional<SurfacePlace> place_on_mesh(const LitPlace& at, const SceneSurface& surface) const;
+  Vec3f from_below(ShownSurface& shown, const LitPlace& at, const SurfacePlace& place, const Vec3f& eye) const;
 
   RelitScene scene_;
   SceneSurface surface_;
@@ -56,7 +59,7 @@ class RelitPainter {
   LayeredModel model_;
   Frame frame_;
   Lighting lighting_;
-  std::unique_ptr<LitScene> lit_;
+  std::shared_ptr<const LitScene> lit_;
 };
 
 // Stops that map the mean radiance of the mesh to middle grey, rounded to a tenth. Equal for all pictures of a lighting.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/render/relight/relit_scene.h"
+#include "core/scene/image/exr.h"
 #include "core/scene/objects/object_set.h"
 #include "pipeline/commands.h"
 #include "pipeline/project.h"
@@ -79,6 +80,24 @@ TEST_F(ComposeCommand, EveryCommandTakesTheComposition) {
   EXPECT_EQ(edit_command({out().string(), projects_.at("edits.yaml").string(), "--quiet", "--no-progress"}), 0);
   EXPECT_EQ(read_layer(out() / "edited/gaussians/diffuse.ply").size(), all());
   EXPECT_EQ(error_of([&] { run_command({out().string()}); }).detail().code, "COMPOSITION");
+}
+
+TEST_F(ComposeCommand, AGuestStandsInAPhotoOfItsHost) {
+  ASSERT_EQ(compose(std::string(kRoom) + kBall), 0);
+  const auto over = [&](const fs::path& project, const std::string& photo, const Words& more = {}) {
+    Words words{project.string(), "--over", photo, "--spp", "2", "--quiet", "--no-progress"};
+    words.insert(words.end(), more.begin(), more.end());
+    return relight_command(words);
+  };
+  EXPECT_EQ(over(out(), "somewhere/view_3.png"), 0);
+  const ExrImage guest = read_exr(out() / "relit/captured_over/view_3.exr");
+  EXPECT_EQ(guest.channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+  EXPECT_GT(std::ranges::count_if(guest.pixels.data(), [](float v) { return v > 0.9f; }), 10);
+  for (const char* file : {"view_3_shadow.exr", "view_3.png", "settings.json"})
+    EXPECT_TRUE(fs::exists(out() / "relit/captured_over" / file)) << file;
+  EXPECT_EQ(over(out(), "holiday.jpg"), exit_code(ErrorKind::Input)) << "no camera";
+  EXPECT_EQ(over(out(), "view_3.png", {"--turntable", "4"}), exit_code(ErrorKind::Usage));
+  EXPECT_EQ(over(projects_.at("room"), "view_3.png"), exit_code(ErrorKind::Input)) << "no guest";
 }
 
 TEST_F(ComposeCommand, AnEarlierCompositionIsReplaced) {
