@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/foundation/base/parallel.h"
 #include "core/render/model/kernels/mirror.h"
@@ -143,7 +144,10 @@ bool Integrator::follow_coat(const Hit& hit, Branch& path, Vec3f& sum, Sampler& 
 }
 
 Vec3f Integrator::radiance(const Vec3f& origin, const Vec3f& direction, const IrradianceCache* cache, Sampler& sampler) const {
-  return traced({.origin = origin, .direction = direction}, cache, sampler);
+  const Vec3f in_air = traced({.origin = origin, .direction = direction}, cache, sampler);
+  if (light_.medium == nullptr) return in_air;
+  const std::optional<Hit> first = rays_.first_hit(origin, direction, light_.glass);
+  return light_.medium->seen(in_air, first ? first->distance : std::numeric_limits<float>::infinity());
 }
 
 Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Sampler& sampler, bool* inside) const {

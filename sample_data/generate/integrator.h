@@ -9,6 +9,7 @@
 #include <span>
 
 #include "sample_data/generate/irradiance.h"
+#include "sample_data/generate/medium.h"
 #include "sample_data/generate/ray_scene.h"
 #include "sample_data/generate/sampler.h"
 
@@ -16,8 +17,9 @@ namespace vitrine::generate {
 
 struct Illumination {
   const Environment& environment;
-  std::span<const Lamp> lamps;  // empty: the lamps are off
-  bool glass = true;            // false: the scene with its glass taken away
+  std::span<const Lamp> lamps;     // empty: the lamps are off
+  bool glass = true;               // false: the scene with its glass taken away
+  const Medium* medium = nullptr;  // before the camera; nullptr: air
 };
 
 class Integrator {

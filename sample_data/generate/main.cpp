@@ -13,7 +13,7 @@
 int main(int argc, char** argv) {
   using namespace vitrine;
   using namespace vitrine::generate;
-  std::string folder, size, only, camera;
+  std::string folder, size, only, camera, medium;
   int views = 0, threads = 0, seed = 0;
   bool help = false, bracket = false;
   GenerateDesc desc;
@@ -30,6 +30,8 @@ int main(int argc, char** argv) {
             "equirect: 360-degree panoramas at the places of the views; --size WxH is 2:1.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
   cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
+  cli.value("medium", 0, "coastal|deep|green|haze", medium,
+            "Water or haze before the cameras; truth/clear has the views in air.");
   cli.flag("bracket", 0, bracket, "Exposure (+-1.5 EV) and white balance (+-800 K) of its own for each photo.");
   cli.flag("help", 'h', help, "Print this text.");
   try {
@@ -58,6 +60,7 @@ int main(int argc, char** argv) {
       resize_views(scene, w, h);
     }
     if (bracket) bracket_gains(scene);
+    if (!medium.empty()) scene.medium = medium_named(medium);
     if (camera_kind(camera) == CameraKind::Equirect) {
       const Intrinsics& k = scene.views.front().intrinsics;
       if (!size.empty() && k.width != 2 * k.height)

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene/camera/view.h"
 #include "sample_data/generate/environment.h"
 #include "sample_data/generate/material.h"
+#include "sample_data/generate/medium.h"
 #include "sample_data/generate/shape.h"
 
 namespace vitrine::generate {
@@ -57,6 +59,7 @@ struct Scene {
   std::vector<Part> parts;
   std::vector<Lamp> lamps;               // off when the scene is shown under another environment
   Environment environment;               // truth/env/captured.exr
+  std::optional<Medium> medium = {};     // before the cameras of the photos; the other pictures show the scene in air
   std::vector<NamedEnvironment> others;  // truth/relit
   std::vector<View> views;               // names are file names of photos/
   std::vector<Panorama> panoramas;       // not empty: the photos, from which `views` are cut (panoramas.h)

@@ -127,6 +127,21 @@ void write_surface(const RayScene& rays, const View& view, const fs::path& truth
   write_exr(truth / "normal" / (view.stem() + ".exr"), {s.normal, {"X", "Y", "Z"}, {}}, ExrPrecision::Half);
 }
 
+const Medium* medium_of(const Scene& scene) { return scene.medium ? &*scene.medium : nullptr; }
+
+// The photos as they would be in air: same samples, before the sensor.
+void write_clear(const RayScene& rays, const Environment& environment, const IrradianceCache& cache, int samples,
+                 const fs::path& truth) {
+  const Scene& scene = rays.scene();
+  const Integrator in_air(rays, {environment, scene.lamps});
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    const fs::path path = truth / "clear" / (scene.views[i].stem() + ".exr");
+    make_folders(path.parent_path());
+    write_exr_rgb(path, rendered(in_air, &cache, scene.views[i], samples, mix64(kPhoto, i)));
+  }
+  log_info("{}: the views without {}", scene.name, scene.medium->name);
+}
+
 bool has_glass(const Scene& scene) {
   for (const Part& part : scene.parts)
     if (part.material.glass()) return true;
@@ -175,7 +190,7 @@ void bracket_gains(Scene& scene) {
 Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& desc) {
   const RayScene rays(scene);
   const Environment environment = planned(rays, scene.environment);
-  const Integrator integrator(rays, {environment, scene.lamps});
+  const Integrator integrator(rays, {environment, scene.lamps, true, medium_of(scene)});
   const IrradianceCache cache = solved(rays, integrator, desc);
   const ImageF radiance = rendered(integrator, &cache, scene.views[view], samples, mix64(kPhoto, view));
   return developed(radiance, scene.views[view].gain, scene.sensor, mix64(kSensor, view));
@@ -191,7 +206,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
   if (desc.geometry && scene.marked) write_marks(scene, folder / "marks.yaml");
   if (desc.photos) {
     make_folders(folder / "photos");
-    const Integrator integrator(rays, {environment, scene.lamps});
+    const Integrator integrator(rays, {environment, scene.lamps, true, medium_of(scene)});
     const IrradianceCache cache = solved(rays, integrator, scene.cache);
     const auto write = [&](const std::string& name, const Vec3d& gain, const ImageF& radiance, size_t i) {
       const Image8 picture = developed(radiance, gain, scene.sensor, mix64(kSensor, i));
@@ -209,6 +224,10 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     }
     for (size_t i = 0; scene.panoramas.empty() && i < scene.views.size(); ++i)
       write(scene.views[i].name, scene.views[i].gain, rendered(integrator, &cache, scene.views[i], samples, mix64(kPhoto, i)), i);
+    if (scene.medium) {
+      write_clear(rays, environment, cache, samples, truth);
+      write_medium(truth / "medium.json", *scene.medium);
+    }
   }
   if (!desc.relit) return;
   const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, float factor, Stream stream) {
