@@ -16,7 +16,7 @@
 namespace vitrine {
 
 // The picture split into layers (CompositeOptions::layer_images), linear, before the view's gain. The first three sum to
-// Frame::linear. Pixels without rays of a kind are zero (inner_transmittance: one).
+// Frame::linear, in a medium to Frame::clear. Pixels without rays of a kind are zero (inner_transmittance: one).
 struct LayerImages {
   std::vector<float> diffuse, reflection, transmission;  // [3,h,w] w_d C_d and the opaque twin, w_r C_r, w_t C_t
   std::vector<float> reflected, transmitted;             // [3,h,w] C_r, C_t as traced
@@ -112,6 +112,7 @@ struct Frame {
   OpenedScene opened;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain
+  std::vector<float> clear;   // [3,h,w] Frame::linear without the medium (MediumPass); empty without one
   std::vector<float> srgb;    // [3,h,w] predicted photo
   LayerImages layers;
 

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/render/model/kernels/layer_blend.h"
+#include "core/render/model/kernels/medium.h"
 #include "core/render/raster/renderer.h"
 #include "core/scene/shape/shape_set.h"
 #include "core/render/trace/tracer.h"
@@ -101,6 +103,7 @@ struct ImageOptions {
   PaneOptions panes = {};
   CompositeOptions composite = {};
   OpaqueOptions opaque = {};
+  std::optional<MediumCoefficients<double>> medium = {};  // water or haze (MediumPass)
 };
 
 }  // namespace vitrine

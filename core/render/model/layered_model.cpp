@@ -30,6 +30,7 @@ LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
   emplace<CompositePass>();
   emplace<SilhouetteBlendPass>();
   emplace<OpaquePass>(backend);
+  medium_ = emplace<MediumPass>();
   emplace<DisplayPass>();
 }
 
@@ -38,7 +39,7 @@ namespace {
 constexpr std::array<std::string_view, kFrameParts> kPartNames{
     "diffuse channels",   "linear radiance",      "shown shapes",          "coats",        "silhouettes",     "sheets",
     "surfaces",           "reflection requests",  "transmission requests", "opened scene", "behind glass",    "panes",
-    "reflected radiance", "transmitted radiance", "picture weights",       "layer images", "display picture", "error image",
+    "reflected radiance", "transmitted radiance", "picture weights",       "layer images", "clear radiance", "display picture", "error image",
     "diffuse sums",       "reflection sums",      "transmittance sums"};
 static_assert(!kPartNames.back().empty());
 

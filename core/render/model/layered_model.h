@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/render/model/medium_pass.h"
 #include "core/render/model/pass.h"
 #include "core/render/model/shape_pass.h"
 
@@ -67,10 +68,12 @@ class ImageModel {
 class LayeredModel : public ImageModel {
  public:
   explicit LayeredModel(const ImageOptions& options);
-  const ShapePass& shape() const { return *shape_; }  // holds the gradients of the shapes
+  const ShapePass& shape() const { return *shape_; }     // holds the gradients of the shapes
+  const MediumPass& medium() const { return *medium_; }  // holds the gradient of the medium
 
  private:
   const ShapePass* shape_;
+  const MediumPass* medium_;
 };
 
 }  // namespace vitrine

@@ -32,6 +32,7 @@ enum class FramePart : unsigned char {
   TransmittedRadiance,   // Frame::transmission, except picture_weight
   PictureWeights,        // picture_weight of these three
   LayerImages,           // Frame::layers
+  Clear,                 // Frame::clear
   Srgb,                  // Frame::srgb
   // Backward only.
   ErrorImage,               // Frame::error_image

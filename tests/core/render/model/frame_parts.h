@@ -65,7 +65,7 @@ class Bytes {
 inline std::string values_of(const Frame& frame, FramePart part) {
   // All members: a new one must become part of one of the parts below, or an input.
   const auto& [view, options, specular_mask, transparent_mask, seed, step, differentiable, diffuse, shaded, reflection,
-               transmission, sheets, panes, silhouette, coats, opened, behind, linear, srgb, layers, grad_diffuse, grad_linear,
+               transmission, sheets, panes, silhouette, coats, opened, behind, linear, clear, srgb, layers, grad_diffuse, grad_linear,
                grad_srgb, error_image, statistics] = frame;
   Bytes b;
   switch (part) {
@@ -126,6 +126,9 @@ inline std::string values_of(const Frame& frame, FramePart part) {
       for (const auto* values : {&layers.diffuse, &layers.reflection, &layers.transmission, &layers.reflected,
                                  &layers.transmitted, &layers.fresnel, &layers.inner_transmittance})
         b.add(*values);
+      break;
+    case FramePart::Clear:
+      b.add(clear);
       break;
     case FramePart::Srgb:
       b.add(srgb);
@@ -266,6 +269,9 @@ inline void forget(FramePart part, Frame& frame) {
       break;
     case FramePart::LayerImages:
       frame.layers = {};
+      break;
+    case FramePart::Clear:
+      drop(frame.clear);
       break;
     case FramePart::Srgb:
       drop(frame.srgb), drop(frame.grad_srgb);

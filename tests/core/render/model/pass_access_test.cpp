@@ -126,6 +126,8 @@ TEST(PassAccess, CoversWhatPassesDo) {
   show("traced glass", options, room.scene, room.view);
   options.transmission.glass = Glass::Thin;
   show("thin glass", options, room.scene, room.view);
+  options.medium = {{0.1, 0.2, 0.3}, {0.2, 0.2, 0.1}, {0.05, 0.2, 0.3}};
+  show("thin glass under water", options, room.scene, room.view);
 
   test::Showcase glass_case, dome, mirror;
   show("a case of glass", glass_case.options(), glass_case.scene, glass_case.view);
