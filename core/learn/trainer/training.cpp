@@ -171,6 +171,7 @@ void Training::update(const StepPlan& plan) {
     blank |= diffuse && done.active == 0;
   }
   if (plan.shapes) plan.shapes->descend(model_.shape().gradients(), plan.shape_rates);
+  if (plan.medium) plan.medium->descend(model_.medium().gradient(), plan.medium_rate);
   if (plan.one_glass) share_glass(scene_.diffuse);
   bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)

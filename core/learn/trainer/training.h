@@ -17,6 +17,7 @@
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/frozen_surfels.h"
 #include "core/learn/trainer/layer_training.h"
+#include "core/learn/trainer/medium_training.h"
 #include "core/learn/trainer/shape_training.h"
 #include "core/learn/trainer/targets.h"
 #include "core/render/model/layered_model.h"
@@ -37,6 +38,8 @@ struct StepPlan {
   size_t untrained = 0;             // surfels at the end of the diffuse layer that remain unchanged
   ShapeTraining* shapes = nullptr;  // if not null, trained at shape_rates
   ShapeRates shape_rates = {};
+  MediumTraining* medium = nullptr;  // if not null, trained at medium_rate
+  double medium_rate = 0;
   float specular_weight = 1;                             // of the picture losses on mirrors: specular, not transparent
   bool glass_sends_rays = true, coats_send_rays = true;  // the pixels of their masks send rays
   std::optional<float> glass_factor = {};                // freeze_glass
