@@ -128,7 +128,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
 int render_command(const Words& words) {
   PictureArguments a;
   std::string camera;
-  bool layers = false;
+  bool layers = false, without_medium = false;
   PictureTool tool{.name = "render",
                    .folder = "render",
                    .stages = {"sfm", "optimize"},
@@ -139,6 +139,7 @@ int render_command(const Words& words) {
   cli.value("camera", 0, "KIND", camera,
             "perspective, or equirect: the whole sphere around each camera, 2:1; default: perspective.");
   cli.flag("layers", 'l', layers, "Also write what the pictures are made of, as EXR.");
+  cli.flag("without-medium", 0, without_medium, "Without the water or haze of the photos.");
   add_picture_options(cli, a, tool);
   const Words rest = cli.parse(words, 1);
   if (a.help) {
@@ -146,6 +147,7 @@ int render_command(const Words& words) {
     return 0;
   }
   if (layers) tool.words = {"--set", "layers=true"};
+  if (without_medium) tool.words.insert(tool.words.end(), {"--set", "without_medium=true"});
   if (!camera.empty()) tool.words.insert(tool.words.end(), {"--set", "camera=" + camera});
   return run_picture_tool(tool, picture_project(rest), a);
 }

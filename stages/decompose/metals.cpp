@@ -89,7 +89,10 @@ class ReflectorFinder {
         pixels_.origins.push_back(p);
         pixels_.normals.push_back(n);
         pixels_.directions.push_back(towards + 2 * cosine * n);
-        pixels_.photo.push_back({c[0] / float(view.gain.x), c[1] / float(view.gain.y), c[2] / float(view.gain.z)});
+        Vec3f radiance{c[0] / float(view.gain.x), c[1] / float(view.gain.y), c[2] / float(view.gain.z)};
+        if (const auto& medium = d_.scene.image.medium)
+          radiance = cast<float>(without_medium(*medium, cast<double>(radiance), double(hit->t)));
+        pixels_.photo.push_back(radiance);
         pixels_.cosine.push_back(cosine);
       }
   }

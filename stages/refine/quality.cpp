@@ -40,7 +40,7 @@ QualityMeter::QualityMeter(const TrainedScene& scene, const Capture& capture, co
 }
 
 Quality QualityMeter::of(const TrainedScene& scene) const {
-  ScenePainter painter(scene, {});
+  ScenePainter painter(scene, {.medium = true});
   std::array<double, 3> sums{};
   std::array<size_t, 3> photos{};
   std::vector<float> target;

@@ -56,6 +56,7 @@ void describe(Describer& d, RenderConfig& c) {
   d.choice("camera", c.camera, kRenderCameraWords,
            "Pictures: perspective, or equirect (the whole sphere around each camera, 2:1, upright).");
   d.option("layers", c.layers, "Also write what the pictures are made of, as EXR.");
+  d.option("without_medium", c.without_medium, "Leave out the water or haze of the photos.");
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
@@ -72,7 +73,7 @@ void run_render(const RenderConfig& config, StageContext& context) {
                                            .height = equirect ? 0 : config.height});
   if (equirect) views = panorama_views(config, views);
   ScenePainter painter(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
-                       {.backend = config.backend, .layers = config.layers, .samples = config.samples});
+                       {.backend = config.backend, .layers = config.layers, .samples = config.samples, .medium = !config.without_medium});
   const fs::path out = context.output() / "render";
   for (size_t i = 0; i < views.size(); ++i) {
     throw_if_interrupted();
@@ -104,7 +105,7 @@ void run_render(const RenderConfig& config, StageContext& context) {
 Stage render_stage() {
   StageInfo info{
       .name = "render",
-      .version = 7,
+      .version = 8,
       .summary = "pictures of a trained scene from any camera",
       .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -17,6 +17,7 @@ struct RenderConfig {
   ViewChoice views = ViewChoice::Heldout;
   RenderCamera camera = RenderCamera::Perspective;
   bool layers = false;
+  bool without_medium = false;
   int width = 0, height = 0, samples = 0;
   Backend backend = Backend::Cpu;
 };

@@ -29,6 +29,7 @@ constexpr const char* kLayered = "layered";         // (OpaqueOptions)
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // key in the file, and name of the mesh next to it
 
+constexpr const char* kMedium = "medium";           // (MediumPass)
 constexpr const char* kSilhouettes = "silhouettes";
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
@@ -50,6 +51,23 @@ void visit(Options& o, const Word& word, const Number& number) {
 
 // Shortest decimal that parses to the same float (a double would print 17 digits).
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
+Json numbers(const Vec3d& v) { return {shortest(float(v.x)), shortest(float(v.y)), shortest(float(v.z))}; }
+
+// `fail`: an error with this cause.
+template <class Fail>
+MediumCoefficients<double> medium_of(const nlohmann::json& json, const Fail& fail) {
+  MediumCoefficients<double> m;
+  for (const auto& [key, row] : {std::pair{"direct", &m.direct}, {"backscatter", &m.backscatter}, {"veil", &m.veil}}) {
+    const nlohmann::json& values = json.at(key);
+    if (!values.is_array() || values.size() != 3) throw fail(fmt::format("{} of the medium is not three numbers", key));
+    for (size_t c = 0; c < 3; ++c) {
+      (*row)[c] = values[c].get<double>();
+      if (!((*row)[c] >= 0) || !std::isfinite((*row)[c])) throw fail(fmt::format("{} of the medium is negative", key));
+    }
+  }
+  return m;
+}
 
 SplatLayer layer_of(const fs::path& path, LayerKind kind) {
   SplatLayer layer = read_layer(path);
@@ -91,6 +109,10 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
       [&](const char* key, float value) { json[key] = shortest(value); });
   if (options.panes.mirrored != SIZE_MAX) json[kMirrored] = options.panes.mirrored;
   if (options.opaque.layered != 1) json[kLayered] = shortest(options.opaque.layered);
+  if (options.medium)
+    json[kMedium] = {{"direct", numbers(options.medium->direct)},
+                     {"backscatter", numbers(options.medium->backscatter)},
+                     {"veil", numbers(options.medium->veil)}};
   if (options.shape.set) {
     json[kShapes] = write_shapes(*options.shape.set, path.parent_path());
     json[kSilhouettes] = options.shape.silhouettes;
@@ -130,6 +152,7 @@ ImageOptions read_image_options(const fs::path& path) {
     options.panes.mirrored = json.value(kMirrored, options.panes.mirrored);
     options.opaque.layered = json.value(kLayered, options.opaque.layered);
     if (!(options.opaque.layered >= 0 && options.opaque.layered <= 1)) throw fail("layered is not between 0 and 1");
+    if (json.contains(kMedium)) options.medium = medium_of(json.at(kMedium), fail);
     if (json.contains(kShapes))
       options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
     options.shape.silhouettes = json.value(kSilhouettes, options.shape.silhouettes);

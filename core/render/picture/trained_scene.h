@@ -21,7 +21,8 @@ struct TrainedScene {
 TrainedScene read_trained_scene(const std::filesystem::path& optimize,
                                 const std::optional<std::filesystem::path>& refine = std::nullopt);
 
-// Writes the options that affect pictures of the scene: blend, lobe, ray start and end, known shapes. Meshes of shapes and of
+// Writes the options that affect pictures of the scene: blend, lobe, ray start and end, known shapes, the
+// medium in front of the cameras. Meshes of shapes and of
 // thick glass are written as PLY next to the file.
 void write_image_options(const std::filesystem::path& path, const ImageOptions& options);
 // Returns the defaults if there is no file (a scene with only a diffuse layer depends on none of them).

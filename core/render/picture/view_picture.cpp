@@ -31,6 +31,7 @@ ImageOptions options_of_picture(const TrainedScene& scene, const PictureDesc& de
   if (desc.samples > 0) o.reflection.lobe = Lobe::Sampled;
   o.reflection.samples = desc.samples > 0 ? desc.samples : kManySamples;
   o.composite.layer_images = desc.layers;
+  if (!desc.medium) o.medium.reset();
   return o;
 }
 
@@ -64,6 +65,7 @@ ViewPicture ScenePainter::picture(const View& view) {
   const Intrinsics& k = view.intrinsics;
   ViewPicture out{k, {}, ImageF(k.width, k.height, 1), ImageF(k.width, k.height, 3), {}, {}};
   out.linear = interleaved(frame_.linear, k.width, k.height, 3);
+  if (!frame_.clear.empty()) out.clear = interleaved(frame_.clear, k.width, k.height, 3);
   out.srgb = displayed(out.linear, view.gain);
   const size_t n = out.srgb.pixel_count();
   const RasterImages& surface = frame_.diffuse;
@@ -79,6 +81,7 @@ ViewPicture ScenePainter::picture(const View& view) {
   }
   if (!desc_.layers) return out;
   out.layers.push_back({"radiance", {out.linear, {"R", "G", "B"}, {}}});
+  if (!frame_.clear.empty()) out.layers.push_back({"clear", {out.clear, {"R", "G", "B"}, {}}});
   const LayerImages& parts = frame_.layers;
   const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
   out.layers.push_back(radiance_layer("diffuse", parts.diffuse, k));

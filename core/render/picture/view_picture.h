@@ -15,7 +15,9 @@ namespace vitrine {
 
 // A float map with the usual channel names: R G B (linear radiance, before the view's gain), X Y Z (world), Z (depth), Y.
 //   radiance                              the whole picture
-//   diffuse, reflection, transmission     contribution of each layer (the opaque twin counts as diffuse); their sum is `radiance`
+//   clear                                 the same without the water or haze of the photos; only if they have it
+//   diffuse, reflection, transmission     contribution of each layer (the opaque twin counts as diffuse); their sum is `radiance`,
+//                                         or `clear`
 //   reflected, transmitted                radiance of the rays before weighting
 //   fresnel, specular_weight, transmission_weight, roughness      materials
 //   normal, depth                         surface
@@ -32,6 +34,7 @@ struct ViewPicture {
   ImageF normal_in_world;            // [h, w, 3], unit; 0 0 0 where alpha < 1/2
   std::vector<PictureLayer> layers;  // empty unless requested
   ImageF linear = {};                // [h, w, 3] radiance before the gain
+  ImageF clear = {};                 // [h, w, 3] the same without the medium of the photos; empty without one
 
   const ImageF* layer(std::string_view name) const;  // nullptr if there is none
 };
@@ -43,6 +46,7 @@ struct PictureDesc {
   Backend backend = Backend::Cpu;  // of the rasteriser; Reference also selects the reference tracer
   bool layers = false;
   int samples = 0;  // GGX rays per rough pixel; 0 = the lobe used in training
+  bool medium = false;  // true: through the water or haze of the photos, as they show the scene
 };
 
 class ScenePainter {

@@ -22,6 +22,7 @@ constexpr uint64_t kBehindStream = 0xb3;  // sample points of surfaces behind gl
 
 ImageOptions options_of(const RelitScene& scene) {
   ImageOptions o = scene.trained.image;
+  o.medium.reset();  // its light is not that of the new one
   o.diffuse.materials = true;
   o.diffuse.sh_degree = 0;
   return o;

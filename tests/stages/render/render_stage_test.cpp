@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/foundation/math/color.h"
 #include "core/render/picture/picture_views.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/scene/image/metrics.h"
@@ -68,6 +69,28 @@ TEST(RenderStage, LayersOfAnOpaqueSceneAreItsRadianceAndSurface) {
   const Vec3d eye = v.centre_in_world();
   EXPECT_NEAR(depth.pixels.at(32, 24), length(eye) - TinyCapture::kRadius, 0.02);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(normal.pixels.at(32, 24, c), normalized(eye)[size_t(c)], 0.15);
+}
+
+TEST(RenderStage, AMediumIsShownOrLeftOut) {
+  const TinyCapture capture;
+  RecordingContext air(inputs(capture));
+  run_render({}, air);
+  ImageOptions image;
+  image.medium = MediumCoefficients<double>{{0.5, 0.3, 0.2}, {0.4, 0.3, 0.2}, {0.1, 0.4, 0.5}};
+  write_image_options(capture.optimize() / "optimize/model.json", image);
+  RecordingContext seen(inputs(capture)), clear(inputs(capture));
+  run_render({.layers = true}, seen);
+  run_render({.without_medium = true}, clear);
+  const char* file = "render/view_0.png";
+  EXPECT_EQ(read_file(clear.output() / file), read_file(air.output() / file));
+  const ImageF through = read_srgb(seen.output() / file), in_air = read_srgb(air.output() / file);
+  EXPECT_LT(psnr(through, in_air), 20);
+  // A corner shows no surface: the medium alone.
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(through.at(0, 0, c), srgb_from_linear(float(capture.views[0].gain[size_t(c)] * image.medium->veil[size_t(c)])),
+                0.01);
+  const fs::path layers = seen.output() / "render/layers";
+  EXPECT_EQ(read_exr(layers / "clear/view_0.exr").pixels, read_exr(layers / "diffuse/view_0.exr").pixels);
 }
 
 TEST(RenderStage, APathIsRenderedWithItsOwnCameras) {
@@ -152,6 +175,7 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   EXPECT_EQ(back.panes.mirrored, SIZE_MAX);
   EXPECT_EQ(back.shape.set, nullptr);
   EXPECT_EQ(back.opaque.layered, 1);
+  EXPECT_FALSE(back.medium);
   TriMesh mesh;
   mesh.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.25f, 0.125f}};
   mesh.faces = {{0, 1, 2}};
@@ -159,6 +183,7 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   const Box box{rotation_matrix(normalized(Quatd{0.9, 0.1, -0.2, 0.3})), {-0.5, -0.2, -0.75}, {0.3, 0.2, 0.1}};
   o.panes.mirrored = 1234;
   o.opaque.layered = 0.625f;
+  o.medium = MediumCoefficients<double>{{0.5, 0.25, 0.125}, {0.4375, 0.375, 0.3125}, {0.0078125, 0.5, 0.75}};
   o.shape.set = std::make_shared<const ShapeSet>(ShapeSet{{{turned, ShapeRole::Mirror, 0.0625, -1, {}},
                                                            {TriangleShape(mesh), ShapeRole::Mirror, 0.03125, 0, {}},
                                                            {box, ShapeRole::Sheet, 0.125, -1, {1, 1, 1, 1, 0, 1}}}});
@@ -170,16 +195,21 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   ASSERT_EQ(out.set->entries.size(), 3u);
   EXPECT_EQ(read_image_options(path).panes.mirrored, 1234u);
   EXPECT_EQ(read_image_options(path).opaque.layered, 0.625f);
+  ASSERT_TRUE(read_image_options(path).medium);
+  EXPECT_EQ(read_image_options(path).medium->direct, o.medium->direct);
+  EXPECT_EQ(read_image_options(path).medium->backscatter, o.medium->backscatter);
+  EXPECT_EQ(read_image_options(path).medium->veil, o.medium->veil);
   EXPECT_EQ(out.set->entries[2].clear, o.shape.set->entries[2].clear);
   EXPECT_EQ(std::get<Box>(out.set->entries[2].shape).axes * Vec3d(1, 2, 3), box.axes * Vec3d(1, 2, 3));
   EXPECT_EQ(std::get<SurfaceOfRevolution>(out.set->entries[0].shape).axis, turned.axis);
   EXPECT_EQ(out.set->entries[1].parent, 0);
   EXPECT_EQ(out.set->entries[1].tolerance, 0.03125);
   EXPECT_EQ(std::get<TriangleShape>(out.set->entries[1].shape).mesh().positions, mesh.positions);
-  for (const auto& [was, is] : {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"profile\"", "\"curve\""),
-                                std::pair("0.0625", "\"wide\""), std::pair("0.625", "1.625"),
-                                std::pair("\"parent\": 0", "\"parent\": 1"), std::pair("\"kind\": \"tri", "\"kind\": \"quadri"),
-                                std::pair("-0.75", "0.4"), std::pair("\"clear\": [", "\"clear\": [3, ")}) {
+  for (const auto& [was, is] :
+       {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"profile\"", "\"curve\""),
+        std::pair("0.0625", "\"wide\""), std::pair("0.625", "1.625"), std::pair("0.0078125", "-0.5"), std::pair("0.0078125,", ""),
+        std::pair("\"parent\": 0", "\"parent\": 1"), std::pair("\"kind\": \"tri", "\"kind\": \"quadri"),
+        std::pair("-0.75", "0.4"), std::pair("\"clear\": [", "\"clear\": [3, ")}) {
     std::string text = read_file(path);
     const size_t at = text.find(was);
     ASSERT_NE(at, std::string::npos) << was << text;
