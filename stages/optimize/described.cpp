@@ -34,6 +34,9 @@ void describe(Describer& d, OptimizeConfig& c) {
            "What masks of the object leave out: train it like everything else, ignore it (the object alone), or auto: ignore "
            "what does not stand still with the object (the room around a turntable, a plain backdrop, all passes in which it was "
            "turned over) and train the rest. With passes, train uses the photos of the largest one.");
+  d.choice("medium", c.medium, {"off", "water", "haze", "auto"},
+           "What fills the space between cameras and surfaces: water (each colour is absorbed and scattered on its own), haze (one "
+           "coefficient), or auto: what explains left-out photos, else nothing. The trained scene is the one without it.");
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
            "show through thin glass alone.");
@@ -52,7 +55,7 @@ void describe(Describer& d, OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 37,
+                 .version = 38,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},

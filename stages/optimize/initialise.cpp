@@ -32,6 +32,7 @@ constexpr double kSkyShare = 0.9;  // of the background's distance
 struct Seed {
   Vec3f position, normal, linear;
   float spacing_limit;  // limits the size to its share of the picture
+  float distance = 0;   // from the cameras that show `linear`, mean
   bool sky = false;     // at the background distance: the size is its share of the picture, independent of its neighbours
 };
 
@@ -52,8 +53,11 @@ void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vec
       const Vec3d direction = set.views[view].centre_in_world() - point.position;
       if (const double distance = length(direction); distance > 0) towards += direction / distance;
     }
+    double distance = 0;
+    for (uint32_t view : point.views)
+      distance += length(set.views[view].centre_in_world() - point.position) / double(point.views.size());
     if (!(length(towards) > 0)) towards = {0, 0, 1};
-    seeds.push_back({cast<float>(point.position), cast<float>(normalized(towards)), point.linear_rgb, 1e30f});
+    seeds.push_back({cast<float>(point.position), cast<float>(normalized(towards)), point.linear_rgb, 1e30f, float(distance)});
   }
 }
 
@@ -68,6 +72,7 @@ Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   seed.position = cast<float>(position);
   seed.normal = cast<float>(normalized(world_from_cam.translation - position));
   seed.linear = linear_at(photo, pixel);
+  seed.distance = static_cast<float>(length(world_from_cam.translation - position));
   return seed;
 }
 
@@ -153,13 +158,15 @@ Quatf rotation_facing(const Vec3f& normal) {
 }
 
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
-                         const std::function<bool(const Vec3d&)>& keep) {
+                         const std::function<bool(const Vec3d&)>& keep, const MediumCoefficients<double>* medium) {
   const size_t limit = std::max<size_t>(1, static_cast<size_t>(kInitialShare * double(max_surfels)));
   std::vector<Seed> seeds;
   add_sparse_points(capture.view_set, limit, static_cast<uint64_t>(config.seed), seeds);
   add_frustum_points(config, capture, dense, std::min<size_t>(size_t(config.initial.frustum_points), limit - seeds.size()),
                      seeds);
   if (keep) std::erase_if(seeds, [&](const Seed& seed) { return !keep(cast<double>(seed.position)); });
+  for (Seed& seed : seeds)
+    if (medium) seed.linear = cast<float>(without_medium(*medium, cast<double>(seed.linear), double(seed.distance)));
   if (seeds.empty())
     throw Error(ErrorKind::Input, "there is nothing to start from",
                 {.why = "the sfm stage found no sparse point in any training photo, and frustum_points is 0",

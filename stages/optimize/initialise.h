@@ -11,6 +11,7 @@
 #include "core/foundation/math/vec.h"
 #include "core/learn/trainer/capture.h"
 #include "core/observe/stereo/scene_planes.h"
+#include "core/render/model/kernels/medium.h"
 #include "core/scene/shape/shape_set.h"
 #include "core/scene/surfels/layers.h"
 #include "stages/optimize/optimize.h"
@@ -57,8 +58,9 @@ std::vector<float> neighbour_spacing(std::span<const Vec3f> points);
 // Returns a rotation whose third column is `normal`.
 Quatf rotation_facing(const Vec3f& normal);
 
-// `keep`: accepts the positions of surfels; empty = all.
+// `keep`: accepts the positions of surfels; empty = all. `medium`: in front of the photos; the colours are those without it.
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
-                         const std::function<bool(const Vec3d&)>& keep = {});
+                         const std::function<bool(const Vec3d&)>& keep = {},
+                         const MediumCoefficients<double>* medium = nullptr);
 
 }  // namespace vitrine

@@ -12,6 +12,7 @@
 #include "core/render/picture/trained_scene.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/initialise.h"
+#include "stages/optimize/medium_fit.h"
 #include "stages/optimize/outputs.h"
 #include "stages/optimize/surroundings.h"
 
@@ -62,7 +63,8 @@ std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, const Den
   const Capture& capture = setup.capture;
   std::function<bool(const Vec3d&)> keep;
   if (setup.object_alone) keep = [&](const Vec3d& p) { return on_object(capture, setup.targets, p); };
-  SplatLayer initial = initial_layer(setup.config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
+  SplatLayer initial = initial_layer(setup.config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep,
+                                     setup.medium ? &setup.medium->coefficients : nullptr);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), setup.config.max_gaussians);
   return std::make_unique<Trainer>(setup, std::move(initial), dense.planes, dense.background);
@@ -150,6 +152,14 @@ void log(const Surroundings& surroundings) {
     log_info("{}", surroundings.why);
 }
 
+void log(const std::optional<ChosenMedium>& medium, WantedMedium wanted, StageContext& context) {
+  if (!medium) return;
+  if (!medium->start && wanted != WantedMedium::Auto)
+    context.warning("NO_MEDIUM", medium->why);
+  else
+    log_info("{}", medium->why);
+}
+
 }  // namespace
 
 void run_optimize(const OptimizeConfig& config, StageContext& context) {
@@ -174,7 +184,10 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   if (!alone) targets.forget(MaskClass::Object);  // the object loss would suppress everything outside the object
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point gives a depth: the first surfels lie at random distances");
-  const bool has_twin = config.opaque_twin && layers.any();
+  const std::optional<ChosenMedium> medium =
+      chosen_medium(config.medium, capture, targets, [&]() -> const DenseDepth& { return depth.get(); }, uint64_t(config.seed));
+  log(medium, config.medium, context);
+  const bool has_twin = config.opaque_twin && layers.any() && !(medium && medium->start);
   const std::vector<uint8_t> judges = has_twin ? judging_photos(capture) : std::vector<uint8_t>();
   const TrainerSetup setup{.config = config,
                            .capture = capture,
@@ -183,7 +196,8 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .glass = glass,
                            .layers = layers,
                            .object_alone = alone,
-                           .judges = judges};
+                           .judges = judges,
+                           .medium = medium ? medium->start : std::nullopt};
   SplatLayer opaque = has_twin ? trained_twin(setup, depth, context) : SplatLayer();
   const double before = has_twin ? kTwinShare : 0;
   const fs::path previews = context.scratch() / "previews";

@@ -30,6 +30,7 @@ struct InitialConfig {
 };
 
 enum class WantedSurroundings { Auto, Train, Ignore };
+enum class WantedMedium { Off, Water, Haze, Auto };
 
 struct OptimizeConfig {
   int iterations = 3000;
@@ -42,6 +43,7 @@ struct OptimizeConfig {
   int seed = 1;
   int holdout_every = 8;
   WantedSurroundings surroundings = WantedSurroundings::Auto;
+  WantedMedium medium = WantedMedium::Off;
   bool fill_unseen = true;
   int checkpoint_every = 250;
   double sh_from = 0.15;     // fraction of the run after which colour depends on the view; not an option

@@ -38,7 +38,7 @@ constexpr float kFewPixels = 4.f;  // in a photo: fewer pixels are only the surf
 constexpr float kWhole = 1.f;      // of its pixels in the photo that shows most of it: small inpainted surfels do no harm
 constexpr float kRim = 0.25f;      // the same for moved trained surfels, of which many may be small
 
-std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& capture) {
+std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& capture, const MediumCoefficients<double>* medium) {
   ImageModel model({.diffuse = {.sh_degree = 0, .near_z = capture.near_z}});
   model.emplace<DiffusePass>();
   const SplatScene diffuse{.diffuse = layer};
@@ -49,7 +49,7 @@ std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& captu
     model.forward(diffuse, level.view, frame);
     const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha),
                median = frame.diffuse.plane(Aov::MedianZ);
-    photos.push_back({&level, std::vector<float>(frame.pixel_count())});
+    photos.push_back({&level, std::vector<float>(frame.pixel_count()), medium});
     for (size_t i = 0; i < z.size(); ++i)
       photos.back().zdepth[i] = alpha[i] > kSolid ? surface_depth(z[i], alpha[i], median[i]) : 0;
   }
@@ -258,8 +258,8 @@ std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::s
 }
 
 SplatLayer inpainted_planes(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
-                            double background, size_t most) {
-  const std::vector<SeenPhoto> photos = seen_photos(shown, capture);
+                            double background, size_t most, const MediumCoefficients<double>* medium) {
+  const std::vector<SeenPhoto> photos = seen_photos(shown, capture, medium);
   for (double cell = kFinestCell; cell < kReach; cell *= kCoarser)
     if (SplatLayer layer = guessed_layer(planes, background, cell, photos); layer.size() <= most) {
       if (layer.size() > 0) keep_surfels(layer, hidden_from_all(shown, layer, capture, kWhole));

@@ -12,6 +12,7 @@
 
 #include "core/learn/trainer/capture.h"
 #include "core/observe/stereo/scene_planes.h"
+#include "core/render/model/kernels/medium.h"
 #include "core/scene/surfels/splat_scene.h"
 
 namespace vitrine {
@@ -25,6 +26,7 @@ inline constexpr size_t kUnseenLevel = 1;  // level of the photo pyramids
 struct SeenPhoto {
   const PhotoLevel* photo;
   std::vector<float> zdepth;
+  const MediumCoefficients<double>* medium = nullptr;  // in front of the camera
 };
 
 // Visibility of a place in a photo: `place_z` is the depth of the place, `zdepth` the rendered depth there, 0 = no surface.
@@ -77,8 +79,8 @@ std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::s
 
 // Returns at most `most` surfels for the diffuse layer, with one colour for all directions and initial materials; the cells grow
 // until they fit. `shown`: the trained surfels without glass; glass would hide the content behind it, and the region would be
-// inpainted. `background`: distance of the sky; 0 = no sky.
+// inpainted. `background`: distance of the sky; 0 = no sky. `medium`: in front of the photos; the colours are those without it.
 SplatLayer inpainted_planes(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
-                            double background, size_t most);
+                            double background, size_t most, const MediumCoefficients<double>* medium = nullptr);
 
 }  // namespace vitrine

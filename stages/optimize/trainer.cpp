@@ -14,6 +14,8 @@ namespace vitrine {
 namespace {
 
 constexpr double kInSolid = 0.1;     // largest initial opacity of surfels inside solid glass that were trained with straight rays
+constexpr double kMediumFrom = 0.15;  // of the run: before, gaps between surfels would show the medium
+constexpr double kMediumRate = 2e-3;  // largest step of the logarithm of a coefficient
 constexpr double kNoise = 0.2;       // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
 constexpr double kNoiseScale = 5e5;  // strength of the noise per unit of the position rate in that paper
 
@@ -47,6 +49,7 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       initial_surfels_(scene_.diffuse.size()) {
   // Never relocate transmittance surfels for low weight: held-out views may see them.
   densify_behind_glass_.idle_weight = 0;
+  if (setup_.medium) medium_.emplace(setup_.medium->kind, setup_.medium->coefficients);
 }
 
 // Reserves surfels for visual hulls until their phases begin.
@@ -85,6 +88,8 @@ StepPlan Trainer::plan() {
                 .untrained = unseen_surfels_,
                 .shapes = fraction() >= c.phases.reflection.surface_from ? &shapes_ : nullptr,
                 .shape_rates = clock.shape_rates(),
+                .medium = medium_ && fraction() >= kMediumFrom ? &*medium_ : nullptr,
+                .medium_rate = kMediumRate * (fraction() < c.phases.joint.from ? 1 : c.phases.joint.rate_factor),
                 // Masked glass sends rays only if the transmittance layer exists. Thin glass of known shape always sends rays.
                 .glass_sends_rays = begun(LayerKind::Transmittance) && !sheets_,
                 .known_mirrors = known_gloss_.empty() ? nullptr : &known_gloss_,
@@ -214,7 +219,8 @@ void Trainer::fill_unseen() {
   const bool thin_glass = config().shading.glass == Glass::Thin && setup_.layers.transmittance;
   if (thin_glass && !sheets_) fill_beside_glass();
   const SplatLayer unseen = inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
-                                             background_, size_t(kMostUnseen * double(config().max_gaussians)));
+                                             background_, size_t(kMostUnseen * double(config().max_gaussians)),
+                                             medium_ ? &medium_->coefficients() : nullptr);
   scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());
@@ -238,6 +244,7 @@ ImageOptions Trainer::image_options() const {
   options.diffuse.near_z = setup_.capture.near_z;
   options.shape.set = shapes_.set();
   options.transmission.thick = solids_;
+  if (medium_) options.medium = medium_->coefficients();
   if (judged_) options.opaque.layered = kLayeredElsewhere;
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
   return options;
@@ -261,6 +268,7 @@ void Trainer::transfer(Archive& archive) {
   archive.value(filled_);
   archive.value(judged_);
   shapes_.transfer(archive);
+  if (medium_) medium_->transfer(archive);
   bend_in_solids();
   archive.value(unseen_surfels_);
   archive.value(from_behind_glass_);

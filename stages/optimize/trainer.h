@@ -7,11 +7,18 @@
 #include <vector>
 
 #include "core/observe/stereo/scene_planes.h"
+#include "core/learn/trainer/medium_training.h"
 #include "core/learn/trainer/training.h"
 #include "stages/optimize/layer_init.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
+
+// Medium in front of the cameras at the start of training.
+struct MediumStart {
+  MediumKind kind;
+  MediumCoefficients<double> coefficients;
+};
 
 // Inputs of a run; everything must outlive the trainer.
 struct TrainerSetup {
@@ -23,6 +30,7 @@ struct TrainerSetup {
   LayerChoice layers;
   bool object_alone = false;             // (surroundings.h)
   std::span<const uint8_t> judges = {};  // [photo] validation photos of a scene with an opaque twin (outputs.h)
+  std::optional<MediumStart> medium = {};
 };
 
 class Trainer : public Training {
@@ -75,6 +83,7 @@ class Trainer : public Training {
   double background_;
   std::shared_ptr<const ThickGlass> solids_;  // from shapes_, which do not move
   ShapeTraining shapes_;                      // mirrors and thin glass
+  std::optional<MediumTraining> medium_;
   KnownSurface known_gloss_;                  // of mirrors
   uint8_t filled_ = 0;                        // unobserved regions are inpainted
   uint8_t judged_ = 0;                        // layer shares against the opaque twin are known

@@ -38,7 +38,9 @@ UnobservedCells::Cell UnobservedCells::looked_at(std::span<const SeenPhoto> phot
     cell.sight = sight;
     if (sight == Sight::Through) continue;
     const double weight = 1 / (q->z * q->z);
-    cell.linear += weight * cast<double>(linear_at(*seen.photo, pixel));
+    Vec3d linear = cast<double>(linear_at(*seen.photo, pixel));
+    if (seen.medium) linear = without_medium(*seen.medium, linear, length(place - view.centre_in_world()));
+    cell.linear += weight * linear;
     weights += weight;
   }
   if (weights > 0) cell.linear = cell.linear / weights;

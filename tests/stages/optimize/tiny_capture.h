@@ -101,10 +101,10 @@ inline SplatScene tiny_mirror_scene() {
 // sparse/0, scene.json, sfm/gains.json and linear/*.exr of a scene, and masks/specular/*.png when it has a mirror. Sparse points:
 // every third surfel, with noise.
 inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36,
-                           const SplatScene& photographed = {.diffuse = tiny_scene()}) {
+                           const SplatScene& photographed = {.diffuse = tiny_scene()}, const ImageOptions& image = {}) {
   const SplatLayer& scene = photographed.diffuse;
   const std::vector<View> views = ring_of_views(view_count, width, height);
-  const LayeredModel image_model{ImageOptions{}};
+  const LayeredModel image_model{image};
   Frame frame;
   ColmapModel model;
   Gains gains;

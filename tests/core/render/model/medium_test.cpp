@@ -41,11 +41,11 @@ TEST(MediumKernel, IsThePublishedFormulaOnSurfacesAndTheVeilWhereThereIsNone) {
   EXPECT_LT(without_medium(kWater, Vec3d{0.5, 0.5, 0.5}, 1e3).x, 20) << "noise is not amplified without bound";
 }
 
-struct Seen {
+struct SeenRoom {
   LayeredRoom room = furnished_room({}, 5, 13, 11);
   ImageOptions options = exact_options();
   Frame frame;
-  Seen() { options.medium = kWater; }
+  SeenRoom() { options.medium = kWater; }
   const Frame& forward() {
     LayeredModel(options).forward(room.scene, room.view, frame);
     return frame;
@@ -53,7 +53,7 @@ struct Seen {
 };
 
 TEST(MediumPass, ShowsTheFormulaAtTheMeanDistanceAndKeepsTheClearPicture) {
-  Seen seen;
+  SeenRoom seen;
   const Frame& frame = seen.forward();
   ImageOptions in_air = seen.options;
   in_air.medium.reset();
@@ -76,14 +76,14 @@ TEST(MediumPass, ShowsTheFormulaAtTheMeanDistanceAndKeepsTheClearPicture) {
 }
 
 TEST(MediumPass, AMediumWithoutScatteringOrAbsorptionChangesNothing) {
-  Seen seen;
+  SeenRoom seen;
   seen.options.medium = MediumCoefficients<double>{{}, {}, {}};
   const Frame& frame = seen.forward();
   EXPECT_EQ(frame.linear, frame.clear);
 }
 
 TEST(MediumPass, GradientsOfTheSurfelsMatchFiniteDifferences) {
-  Seen seen;
+  SeenRoom seen;
   LayeredModel model(seen.options);
   Frame frame;
   const auto loss = [&] {
@@ -100,11 +100,11 @@ TEST(MediumPass, GradientsOfTheSurfelsMatchFiniteDifferences) {
 }
 
 // A frame filled by hand: the pass alone, every input against central differences.
-struct Filled {
+struct FilledFrame {
   View view;
   Frame frame;
   std::vector<float> clear, weights;  // [3,h,w] J, dL/dI
-  Filled() {
+  FilledFrame() {
     view.intrinsics = {7, 5, 6, 6.5, 3.4, 2.6};
     frame.view = &view;
     frame.options.medium = kWater;
@@ -131,7 +131,7 @@ struct Filled {
 };
 
 TEST(MediumPass, EveryGradientMatchesFiniteDifferences) {
-  Filled f;
+  FilledFrame f;
   f.loss();
   f.frame.grad_linear = f.weights;
   MediumPass pass;
@@ -163,7 +163,7 @@ TEST(MediumPass, EveryGradientMatchesFiniteDifferences) {
 }
 
 TEST(MediumPass, IsTheSameForAnyNumberOfThreads) {
-  Seen seen;
+  SeenRoom seen;
   seen.options.diffuse.backend = Backend::Cpu;
   expect_same_for_threads(seen.options, seen.room.scene, seen.room.view);
 }

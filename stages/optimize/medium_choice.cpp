@@ -1,0 +1,51 @@
+#include <fmt/format.h>
+
+#include "stages/optimize/medium_fit.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kLeastMediumDepth = 0.03;  // of a medium that is wanted: thinner ones change no picture
+constexpr double kLeastMediumGain = 0.3;    // of a medium that is guessed
+constexpr double kGuessedDepth = 0.1;       // likewise
+constexpr double kWaterOverHaze = 0.05;     // by how much more the nine numbers must explain
+
+std::string described(const Vec3d& v) { return fmt::format("{:.3g} {:.3g} {:.3g}", v.x, v.y, v.z); }
+
+std::string described(MediumKind kind, const MediumFit& fit) {
+  return fmt::format(
+      "{} between cameras and surfaces: b_D {}, b_B {}, B {}; explains {:.0f} % of the colour differences of {} points in "
+      "left-out "
+      "photos",
+      kind == MediumKind::Water ? "water" : "haze", described(fit.medium.direct), described(fit.medium.backscatter),
+      described(fit.medium.veil), 100 * fit.gain, fit.points);
+}
+
+}  // namespace
+
+std::optional<ChosenMedium> chosen_medium(WantedMedium wanted, const Capture& capture, const Targets& targets,
+                                          const std::function<const DenseDepth&()>& depth, uint64_t seed) {
+  if (wanted == WantedMedium::Off) return std::nullopt;
+  const std::vector<MediumSample> samples = medium_samples(capture, targets, depth(), seed);
+  const bool guessed = wanted == WantedMedium::Auto;
+  MediumKind kind = wanted == WantedMedium::Water ? MediumKind::Water : MediumKind::Haze;
+  std::optional<MediumFit> fit = fitted_medium(samples, kind);
+  if (!fit)
+    return ChosenMedium{{},
+                        fmt::format("no water or haze is removed: fewer than {} points are seen in three photos from different "
+                                    "distances (more photos, nearer and farther ones)",
+                                    kFewestMediumPoints)};
+  if (guessed) {
+    const std::optional<MediumFit> water = fitted_medium(samples, MediumKind::Water);
+    if (water->gain > fit->gain + kWaterOverHaze) kind = MediumKind::Water, fit = water;
+  }
+  const std::string found = described(kind, *fit);
+  if (guessed && !(fit->gain >= kLeastMediumGain && fit->depth >= kGuessedDepth))
+    return ChosenMedium{{}, fmt::format("no water or haze is removed; tried: {}", found)};
+  if (!(fit->depth >= kLeastMediumDepth))
+    return ChosenMedium{{}, fmt::format("no water or haze is removed: colours do not change with the distance ({})", found)};
+  return ChosenMedium{MediumStart{kind, fit->medium}, found};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/projection.h"
+#include "stages/optimize/medium_fit.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr uint64_t kMediumStream = 0x1903;
+constexpr size_t kStereoPoints = 3000, kSparsePoints = 1000;
+constexpr size_t kFewestSamples = 3;      // of a point
+constexpr double kSameDepth_rel = 0.015;  // relative difference of depth
+constexpr float kLeastSpread = 1.1f;      // farthest over nearest distance of a point
+constexpr double kSampleBorder = 1;       // pixels
+
+// Photos at the size of the depth maps.
+class MediumPixels {
+ public:
+  MediumPixels(const Capture& capture, const Targets& targets, const DenseDepth& dense)
+      : capture_(capture), targets_(targets), dense_(dense) {}
+
+  // The pixel of a photo that shows `point`; nullopt: outside, clipped, glass, mirrors, ignored.
+  std::optional<MediumSample> at(uint32_t photo, const Vec3d& point) const {
+    const PhotoLevel& level = capture_.photos[photo].levels[dense_.level];
+    const auto q = image_point(point, level.view, 0, kSampleBorder);
+    if (!q) return std::nullopt;
+    const size_t pixel = level.view.intrinsics.index(int(q->x), int(q->y)), pixels = level.view.intrinsics.pixel_count();
+    const TargetLevel& target = targets_.photos[photo][dense_.level];
+    for (const MaskClass mask : {MaskClass::Specular, MaskClass::Transparent, MaskClass::Ignore})
+      if (const auto& m = target.masks[size_t(mask)]; !m.empty() && m[pixel] > 0) return std::nullopt;
+    if (!target.coat.empty() && target.coat[pixel] > 0) return std::nullopt;
+    for (size_t c = 0; c < 3; ++c)
+      if (float(level.srgb[c * pixels + pixel]) >= kClippedSrgb * 65535.f) return std::nullopt;
+    return MediumSample{.point = 0,
+                        .photo = photo,
+                        .distance = static_cast<float>(length(point - level.view.centre_in_world())),
+                        .linear = linear_at(level, pixel)};
+  }
+  // Whether the depth map of the photo has the surface of `point`.
+  bool shows(uint32_t photo, const Vec3d& point) const {
+    const DepthMap& map = dense_.maps[photo];
+    if (map.zdepth.empty()) return false;
+    const auto q = image_point(point, dense_.photos[photo].view);
+    if (!q) return false;
+    const size_t pixel = map.index(int(q->x), int(q->y));
+    return map.reliable(pixel) && std::abs(double(map.zdepth[pixel]) - q->z) < kSameDepth_rel * q->z;
+  }
+
+ private:
+  const Capture& capture_;
+  const Targets& targets_;
+  const DenseDepth& dense_;
+};
+
+bool informative(std::span<const MediumSample> samples) {
+  if (samples.size() < kFewestSamples) return false;
+  const auto [nearest, farthest] = std::ranges::minmax_element(samples, {}, &MediumSample::distance);
+  return farthest->distance > kLeastSpread * nearest->distance;
+}
+
+}  // namespace
+
+std::vector<MediumSample> medium_samples(const Capture& capture, const Targets& targets, const DenseDepth& dense, uint64_t seed) {
+  const MediumPixels samples(capture, targets, dense);
+  const std::vector<uint32_t>& photos = capture.train;
+  std::vector<std::vector<MediumSample>> found(kStereoPoints + kSparsePoints);
+  parallel_for(found.size(), 64, [&](size_t i) {
+    Rng rng(seed, mix64(kMediumStream, i));
+    if (i >= kStereoPoints) {
+      const std::vector<ScenePoint>& points = capture.view_set.points;
+      const size_t count = std::min(points.size(), kSparsePoints), number = i - kStereoPoints;
+      if (number >= count) return;
+      const ScenePoint& point = points[number * points.size() / count];
+      for (const uint32_t photo : point.views)
+        if (std::ranges::binary_search(photos, photo))
+          if (const auto sample = samples.at(photo, point.position)) found[i].push_back(*sample);
+    } else {
+      const uint32_t from = photos[rng.below(static_cast<uint32_t>(photos.size()))];
+      const DepthMap& map = dense.maps[from];
+      if (map.zdepth.empty()) return;
+      const int x = int(rng.below(uint32_t(map.width))), y = int(rng.below(uint32_t(map.height)));
+      const size_t pixel = map.index(x, y);
+      if (!map.reliable(pixel) || double(map.zdepth[pixel]) > 0.5 * dense.background) return;
+      const View& view = dense.photos[from].view;
+      const Vec3d point = inverse(view.cam_from_world) * (double(map.zdepth[pixel]) * view.intrinsics.ray(x + 0.5, y + 0.5));
+      for (const uint32_t photo : photos)
+        if (photo == from || samples.shows(photo, point))
+          if (const auto sample = samples.at(photo, point)) found[i].push_back(*sample);
+    }
+    if (!informative(found[i])) found[i].clear();
+    for (MediumSample& s : found[i]) s.point = static_cast<uint32_t>(i);
+  });
+  std::vector<MediumSample> all;
+  for (const auto& of_point : found) all.insert(all.end(), of_point.begin(), of_point.end());
+  return all;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,158 @@
+// Scenes photographed through water or haze: the fit before training, the choice of a medium, and a whole run.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/picture/trained_scene.h"
+#include "stages/optimize/medium_fit.h"
+#include "tests/stages/optimize/test_context.h"
+#include "tests/stages/optimize/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using testing::TestContext;
+
+const MediumCoefficients<double> kWater{{0.6, 0.2, 0.1}, {0.5, 0.25, 0.15}, {0.05, 0.2, 0.3}};
+const MediumCoefficients<double> kHaze{{0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0.5, 0.55, 0.6}};
+
+// Points of random colours in six of twelve photos at random distances, with noise and a twentieth of wrong colours.
+std::vector<MediumSample> samples_in(const std::optional<MediumCoefficients<double>>& m, size_t points) {
+  std::vector<MediumSample> out;
+  for (uint32_t p = 0; p < points; ++p) {
+    Rng rng(3, p);
+    const Vec3d clear{rng.uniform_double(), rng.uniform_double(), rng.uniform_double()};
+    for (uint32_t i = 0; i < 6; ++i) {
+      MediumSample s{.point = p, .photo = (p + 2 * i) % 12, .distance = 0.6f + 1.4f * rng.uniform(), .linear = {}};
+      for (size_t c = 0; c < 3; ++c) {
+        const double z = double(s.distance);
+        const double seen = m ? seen_through_medium(clear[c], z, 1.0, m->direct[c], m->backscatter[c], m->veil[c]) : clear[c];
+        s.linear[c] = float(std::max(0.0, seen + 0.01 * double(rng.normal())));
+      }
+      if (rng.below(20) == 0) s.linear = {rng.uniform(), rng.uniform(), rng.uniform()};
+      out.push_back(s);
+    }
+  }
+  return out;
+}
+
+TEST(MediumFit, FindsWaterFromColoursAtSeveralDistances) {
+  const auto fit = fitted_medium(samples_in(kWater, 400), MediumKind::Water);
+  ASSERT_TRUE(fit);
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(fit->medium.direct[c], kWater.direct[c], 0.04) << c;
+    EXPECT_NEAR(fit->medium.veil[c] * fit->medium.backscatter[c], kWater.veil[c] * kWater.backscatter[c], 0.015) << c;
+  }
+  EXPECT_GT(fit->gain, 0.4);
+  EXPECT_EQ(fit->points, 400u);
+}
+
+TEST(MediumFit, FindsOneCoefficientOfHaze) {
+  const auto fit = fitted_medium(samples_in(kHaze, 400), MediumKind::Haze);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->medium.direct.x, 0.4, 0.03);
+  EXPECT_EQ(fit->medium.direct.x, fit->medium.backscatter.z);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(fit->medium.veil[c], kHaze.veil[c], 0.04);
+}
+
+TEST(MediumFit, ExplainsNothingInAir) {
+  for (const MediumKind kind : {MediumKind::Water, MediumKind::Haze}) {
+    const auto fit = fitted_medium(samples_in(std::nullopt, 400), kind);
+    ASSERT_TRUE(fit);
+    EXPECT_LT(fit->gain, 0.02);
+    EXPECT_LT(fit->depth, 0.03);
+  }
+  EXPECT_FALSE(fitted_medium(samples_in(kWater, kFewestMediumPoints - 1), MediumKind::Water));
+}
+
+// The tiny scene photographed through a medium.
+class TinyWater : public ::testing::Test {
+ protected:
+  void write(const std::optional<MediumCoefficients<double>>& medium) {
+    ImageOptions image;
+    image.medium = medium;
+    testing::write_tiny_sfm(sfm(), 18, 48, 36, {.diffuse = testing::tiny_scene()}, image);
+  }
+  fs::path sfm() const { return folder_.path() / "sfm"; }
+  fs::path work(const std::string& name) const { return folder_.path() / name; }
+
+  OptimizeConfig config(WantedMedium medium, int iterations) const {
+    OptimizeConfig c = testing::tiny_config(iterations);
+    c.initial.stereo_side = 48;
+    c.medium = medium;
+    return c;
+  }
+  // PSNR of the clear picture of the trained scene against the scene in air, over the held-out views.
+  double clear_psnr(const fs::path& artifact) const {
+    const TrainedScene trained = read_trained_scene(artifact);
+    const SplatScene truth{.diffuse = testing::tiny_scene()};
+    ImageOptions in_air = trained.image;
+    in_air.medium.reset();
+    Frame ours, wanted;
+    double sum = 0, count = 0;
+    const std::vector<View> views = testing::ring_of_views(18, 48, 36);
+    for (size_t v = 0; v < views.size(); v += 6) {
+      LayeredModel(in_air).forward(trained.surfels, views[v], ours);
+      LayeredModel(ImageOptions{}).forward(truth, views[v], wanted);
+      for (size_t i = 0; i < ours.srgb.size(); ++i) sum += std::pow(double(ours.srgb[i] - wanted.srgb[i]), 2), ++count;
+    }
+    return -10 * std::log10(sum / count);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(TinyWater, TrainingLearnsTheSceneWithoutTheWater) {
+  write(kWater);
+  TestContext with(sfm(), work("with")), without(sfm(), work("without"));
+  run_optimize(config(WantedMedium::Water, 300), with);
+  run_optimize(config(WantedMedium::Off, 300), without);
+  EXPECT_TRUE(with.warnings.empty());
+  EXPECT_GT(clear_psnr(with.output()), clear_psnr(without.output()) + 3);
+  const auto medium = read_image_options(with.output() / "optimize/model.json").medium;
+  ASSERT_TRUE(medium);
+  EXPECT_NEAR(medium->direct.x, kWater.direct.x, 0.2);
+  EXPECT_GT(medium->direct.x, medium->direct.z);
+  EXPECT_FALSE(read_image_options(without.output() / "optimize/model.json").medium);
+}
+
+TEST_F(TinyWater, AutoRemovesTheWaterThatIsThere) {
+  write(kWater);
+  TestContext context(sfm(), work("auto"));
+  run_optimize(config(WantedMedium::Auto, 1), context);
+  EXPECT_TRUE(read_image_options(context.output() / "optimize/model.json").medium);
+}
+
+TEST_F(TinyWater, InAirAutoStaysOffAndAWantedMediumIsAWarning) {
+  write(std::nullopt);
+  TestContext guessed(sfm(), work("guessed")), off(sfm(), work("off")), wanted(sfm(), work("wanted"));
+  run_optimize(config(WantedMedium::Auto, 20), guessed);
+  run_optimize(config(WantedMedium::Off, 20), off);
+  EXPECT_TRUE(guessed.warnings.empty());
+  for (const char* file : {"gaussians/diffuse.ply", "optimize/model.json"})
+    EXPECT_EQ(read_file(guessed.output() / file), read_file(off.output() / file)) << file;
+  run_optimize(config(WantedMedium::Haze, 20), wanted);
+  EXPECT_EQ(wanted.warnings, std::vector<std::string>{"NO_MEDIUM"});
+  EXPECT_FALSE(read_image_options(wanted.output() / "optimize/model.json").medium);
+}
+
+TEST_F(TinyWater, AKilledRunEndsWithTheSameBytes) {
+  write(kHaze);
+  TestContext whole(sfm(), work("whole"));
+  run_optimize(config(WantedMedium::Haze, 40), whole);
+  OptimizeConfig often = config(WantedMedium::Haze, 40);
+  often.checkpoint_every = 15;
+  TestContext stopped(sfm(), work("stopped"));
+  stopped.after_step = [](int step) {
+    if (step == 33) throw testing::Stopped();
+  };
+  EXPECT_THROW(run_optimize(often, stopped), testing::Stopped);
+  TestContext resumed(sfm(), work("stopped"));
+  run_optimize(often, resumed);
+  for (const char* file : {"gaussians/diffuse.ply", "optimize/model.json"})
+    EXPECT_EQ(read_file(whole.output() / file), read_file(resumed.output() / file)) << file;
+}
+
+}  // namespace
+}  // namespace vitrine
