@@ -33,7 +33,7 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 29;
+  info.version = 30;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {
       {.name = "sfm", .doc = "cameras, gains and undistorted photos"},

@@ -43,7 +43,7 @@ class Evaluator {
         sfm_(context.input("sfm")),
         views_(load_view_set(sfm_).views),
         painter_(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
-                 {.backend = config.backend, .layers = true, .samples = config.samples}),
+                 {.backend = config.backend, .layers = true, .samples = config.samples, .medium = true}),
         layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
@@ -160,8 +160,12 @@ class Evaluator {
     if (heldout) score.neutral_shift = shift_of_neutral(view, render, photo, judged, masks);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
+    if (truth_ && heldout) score_clear(index, render);
     if (albedo_) score_albedo(index, render, masks);
-    if (heldout && config_.write_pictures) write_pictures(context_.output() / "eval", view, render.srgb, photo);
+    if (heldout && config_.write_pictures) {
+      write_pictures(context_.output() / "eval", view, render.srgb, photo);
+      if (!render.clear.empty()) write_clear(context_.output() / "eval", view, render.clear);
+    }
     if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
   }
@@ -239,7 +243,7 @@ class Evaluator {
 
   void score_transmitted(size_t index, const ViewPicture& render, const RegionMasks& masks) {
     const ImageF* glass = mask_of(masks, "transparent");
-    const ImageF *transmitted = render.layer("transmitted"), *picture = render.layer("radiance");
+    const ImageF *transmitted = render.layer("transmitted"), *picture = render.layer(render.clear.empty() ? "radiance" : "clear");
     if (glass == nullptr || transmitted == nullptr) return;
     const auto truth = truth_->transmitted(index, render.intrinsics);
     if (!truth) return;
@@ -248,8 +252,19 @@ class Evaluator {
       if (float* const pixel = &radiance.data()[3 * i]; pixel[0] + pixel[1] + pixel[2] == 0)
         std::copy_n(&picture->data()[3 * i], 3, pixel);
     const auto score =
-        transmitted_psnr({render.intrinsics, radiance, views_[index].gain, *glass}, *truth, config_.min_region_pixels);
+        radiance_psnr({render.intrinsics, radiance, views_[index].gain, *glass}, *truth, config_.min_region_pixels);
     if (score) transmitted_.push_back(*score);
+  }
+
+  // The picture without water or haze; that of a scene without a medium is the clear one.
+  void score_clear(size_t index, const ViewPicture& render) {
+    const auto truth = truth_->clear(index, render.intrinsics);
+    if (!truth) return;
+    const ImageF everywhere(render.intrinsics.width, render.intrinsics.height, 1, 1.f);
+    const ImageF& clear = render.clear.empty() ? render.linear : render.clear;
+    const auto score =
+        radiance_psnr({render.intrinsics, clear, views_[index].gain, everywhere}, *truth, config_.min_region_pixels);
+    if (score) clear_.push_back(*score);
   }
 
   void finish_truth() {
@@ -268,6 +283,8 @@ class Evaluator {
     if (const auto it = t.regions.find("object"); it != t.regions.end()) t.object_normal_mae_deg = it->second.normal_mae_deg;
     if (!transmitted_.empty()) t.transmitted_psnr = mean(transmitted_);
     t.transmitted_views = transmitted_.size();
+    if (!clear_.empty()) t.clear_psnr = mean(clear_);
+    t.clear_views = clear_.size();
     if (albedo_) {
       t.albedo = albedo_error_.scores();
       if (!t.albedo->psnr) not_measured("truth.albedo.psnr", "no truth albedo covers an object pixel of ours outside the glass");
@@ -362,6 +379,7 @@ class Evaluator {
     if (const auto& t = result_.truth) {
       metric("truth.normal_mae_deg", t->normal_mae_deg);
       metric("truth.mesh.fscore", t->mesh ? std::optional(t->mesh->fscore) : std::nullopt);
+      metric("truth.clear.psnr", t->clear_psnr);
       metric("truth.albedo.psnr", t->albedo ? t->albedo->psnr : std::nullopt);
       metric("truth.relit.psnr", mean_relit_psnr(*t));
     }
@@ -382,7 +400,7 @@ class Evaluator {
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass
   std::map<std::string, SurfaceError> region_surface_;
-  std::vector<double> transmitted_;
+  std::vector<double> transmitted_, clear_;
   std::optional<AlbedoPainter> albedo_;
   AlbedoError albedo_error_;
   ContactSheet sheet_{5};

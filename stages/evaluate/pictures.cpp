@@ -101,6 +101,10 @@ void add_view(const ViewPicture& picture, const ImageF& photo, const std::option
       sheet.add(std::string(cell.title), cell.radiance ? radiance_picture(*map, *gain) : bytes_of(*map));
 }
 
+void write_clear(const std::filesystem::path& eval_folder, const View& view, const ImageF& clear) {
+  write_ldr((eval_folder / view.stem()).string() + "_clear.png", radiance_picture(clear, view.gain));
+}
+
 void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo) {
   const std::filesystem::path base = eval_folder / view.stem();
   make_folders(base.parent_path());

@@ -70,6 +70,9 @@ Json definitions(const Evaluation& e) {
       "truth/transmitted, both encoded to sRGB and clipped, over the transparent mask at the coarser of the two resolutions, "
       "mean "
       "over the views with such a truth";
+  d["truth.clear.psnr"] =
+      "PSNR of the picture without the water or haze of the photos, times the view's gain, against truth/clear, both encoded to "
+      "sRGB and clipped, at the coarser of the two resolutions, mean over the held-out views with such a truth";
   d["truth.albedo.psnr"] =
       "PSNR of the albedo, times one factor per channel for the whole scene (median of truth / ours over the object's pixels), "
       "clipped to [0,1], to the power 1/2.2, squared error pooled over the pixels of the object outside the glass of a view, "
@@ -120,6 +123,7 @@ Json truth_json(const TruthScores& t) {
     if (!score.empty()) j["regions"][region] = score;
   }
   if (t.transmitted_psnr) j["transmitted"] = {{"psnr", *t.transmitted_psnr}, {"views", t.transmitted_views}};
+  if (t.clear_psnr) j["clear"] = {{"psnr", *t.clear_psnr}, {"views", t.clear_views}};
   if (t.albedo) {
     Json& albedo = j["albedo"] = Json::object();
     if (t.albedo->psnr) albedo["psnr"] = *t.albedo->psnr;
@@ -290,6 +294,7 @@ std::string summary_line(const Evaluation& e) {
   if (t.normal_mae_deg) line += fmt::format(", normals {:.1f} deg", *t.normal_mae_deg);
   if (t.mesh) line += fmt::format(", F-score {:.3f}", t.mesh->fscore);
   if (t.transmitted_psnr) line += fmt::format(", behind glass {:.2f} dB", *t.transmitted_psnr);
+  if (t.clear_psnr) line += fmt::format(", without medium {:.2f} dB", *t.clear_psnr);
   if (t.albedo && t.albedo->psnr) line += fmt::format(", albedo {:.2f} dB", *t.albedo->psnr);
   if (const auto relit = mean_relit_psnr(t)) line += fmt::format(", relit {:.2f} dB", *relit);
   return line;

@@ -43,6 +43,8 @@ struct TruthScores {
   std::map<std::string, SurfaceScore> regions;  // over all scored views
   std::optional<double> transmitted_psnr;       // mean over the views with this ground truth
   size_t transmitted_views = 0;
+  std::optional<double> clear_psnr;  // mean over the held-out views with this ground truth
+  size_t clear_views = 0;
   std::optional<AlbedoScores> albedo;
   std::vector<RelitScore> relit;
   std::string relit_scale_mode;
@@ -92,6 +94,8 @@ Image8 depth_picture(const ImageF& zdepth);
 // Adds photo, render, error, normals and depth to the sheet. With `gain` (of the view) also one cell per layer of `picture`:
 // radiance times the gain, encoded; weights as grey, 1 = white.
 void add_view(const ViewPicture& picture, const ImageF& photo_srgb, const std::optional<Vec3d>& gain, ContactSheet& sheet);
+// eval/<stem>_clear.png: radiance without the medium of the photos.
+void write_clear(const std::filesystem::path& eval_folder, const View& view, const ImageF& clear);
 // eval/<stem>_{gt,pred,err}.png
 void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo_srgb);
 // eval/layers/<layer>/<stem>.exr

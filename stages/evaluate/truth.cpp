@@ -155,6 +155,10 @@ std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics, L
   return out;
 }
 
+std::optional<TruthPicture> Truth::clear(size_t view, const Intrinsics& intrinsics) const {
+  return picture("clear", view, intrinsics);
+}
+
 std::optional<TruthPicture> Truth::transmitted(size_t view, const Intrinsics& intrinsics) const {
   return picture("transmitted", view, intrinsics);
 }

@@ -1,4 +1,4 @@
-// Reader of the truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr, relit/<name>/<stem>.exr with
+// Reader of the truth folder: transforms.json, {depth,normal,albedo,transmitted,clear}/<stem>.exr, relit/<name>/<stem>.exr with
 // env/<name>.exr, mask/{object,transparent,specular,coated}/<stem>.png, mesh.ply and mesh_opaque.ply; every part is optional.
 // Truth maps have the photo's frame and their own resolution, our renders the undistorted frame. Both cameras share their centre,
 // so maps are sampled by direction: our pixel -> ray in our camera's frame -> rotated to the truth camera's frame by the residual
@@ -55,6 +55,7 @@ class Truth {
   // 0 or 1; 1 = the first surface is a clear coat over paint.
   std::optional<ImageF> coated(size_t view, const Intrinsics& intrinsics) const;
   std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
+  std::optional<TruthPicture> clear(size_t view, const Intrinsics& intrinsics) const;  // the scene in air
   std::optional<TruthPicture> albedo(size_t view, const Intrinsics& intrinsics) const;  // linear; of the first opaque surface
   // Under the named environment.
   std::optional<TruthPicture> relit(std::string_view name, size_t view, const Intrinsics& intrinsics) const;

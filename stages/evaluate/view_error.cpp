@@ -82,7 +82,7 @@ void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const
   }
 }
 
-std::optional<double> transmitted_psnr(const TransmittedPicture& ours, const TruthPicture& truth, int min_pixels) {
+std::optional<double> radiance_psnr(const RadiancePicture& ours, const TruthPicture& truth, int min_pixels) {
   const Intrinsics k = no_finer(ours.intrinsics, truth.intrinsics.width), from = no_finer(truth.intrinsics, k.width);
   const ImageF map = at_size(truth.radiance, from), mask = at_size(ours.mask, k);
   ImageF picture = at_size(ours.radiance, k), expected(k.width, k.height, 3), counts(k.width, k.height, 1);

@@ -27,16 +27,16 @@ void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const
 
 double mean(const std::vector<double>& values);  // NaN when empty
 
-// PSNR of the transmitted radiance behind glass against the truth's picture of the scene without glass: sRGB values clipped to
-// [0,1], over the pixels of the transparent mask, at the coarser of both resolutions.
-struct TransmittedPicture {
+// PSNR of radiance against the truth's picture of the scene without glass (transmitted radiance, over the transparent mask) or
+// without its medium (over all pixels): sRGB values clipped to [0,1], at the coarser of both resolutions.
+struct RadiancePicture {
   const Intrinsics& intrinsics;
   const ImageF& radiance;  // linear, before the gain
   const Vec3d& gain;       // of the view: truth pictures have the exposure of the photos
   const ImageF& mask;      // 0 or 1
 };
 // nullopt: fewer than `min_pixels` pixels of the mask lie in the truth's picture.
-std::optional<double> transmitted_psnr(const TransmittedPicture& ours, const TruthPicture& truth, int min_pixels);
+std::optional<double> radiance_psnr(const RadiancePicture& ours, const TruthPicture& truth, int min_pixels);
 
 // Colour cast of neutral pixels: shows a wrong white balance of a view or of the scene. Compares the channels of render and photo
 // in pixels that are bright, neutral and textureless in the photo (a backdrop, a plate, a wall): the largest ratio between two

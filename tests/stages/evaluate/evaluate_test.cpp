@@ -6,6 +6,8 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/color.h"
+#include "core/render/picture/view_picture.h"
+#include "core/scene/image/metrics.h"
 #include "tests/stages/evaluate/metrics_of.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -102,6 +104,32 @@ TEST(EvaluateStage, WithoutAMeshTheOtherFiguresStay) {
   EXPECT_LT(m["truth"]["normal_mae_deg"].get<double>(), 3);
   EXPECT_FALSE(m["truth"].contains("mesh"));
   EXPECT_EQ(m["not_measured"]["truth.mesh"], "there is no mesh artifact");
+}
+
+// The sphere photographed through haze: I against the photos, J against the truth in air.
+TEST(EvaluateStage, ASceneInHazeIsScoredWithAndWithoutIt) {
+  TinyCapture capture;
+  capture.write_truth();
+  const View& v = capture.views[0];
+  make_folders(capture.truth() / "clear");
+  write_exr_rgb(capture.truth() / "clear" / (v.stem() + ".exr"), capture.photo(v), ExrPrecision::Float);
+  ImageOptions image;
+  image.medium = MediumCoefficients<double>{{0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0.5, 0.55, 0.6}};
+  write_image_options(capture.optimize() / "optimize/model.json", image);
+  ScenePainter painter(read_trained_scene(capture.optimize()), {.medium = true});
+  ImageF hazed = painter.picture(v).linear;
+  for (size_t i = 0; i < hazed.data().size(); ++i) hazed.data()[i] *= float(v.gain[i % 3]);
+  write_exr_rgb(linear_image_path(capture.sfm(), v), hazed, ExrPrecision::Float);
+
+  RecordingContext context(capture.inputs(true));
+  const json m = metrics_of(context, quick());
+  EXPECT_GT(m["heldout"]["psnr"].get<double>(), 45);
+  EXPECT_GT(m["truth"]["clear"]["psnr"].get<double>(), 40);
+  EXPECT_EQ(m["truth"]["clear"]["views"], 1);
+  const ImageF clear = read_srgb(context.output() / "eval/view_0_clear.png"),
+               seen = read_srgb(context.output() / "eval/view_0_pred.png");
+  EXPECT_GT(psnr(clear, srgb_from_linear_image(capture.photo(v))), 40);
+  EXPECT_LT(psnr(seen, clear), 20);
 }
 
 // The sphere turned to glass with a ball in it: layers, what lies behind the glass, and the glass itself.

@@ -40,7 +40,7 @@ TEST(TruthOfATurnedCamera, DirectionsBehindItHaveNoPixel) {
     AlbedoError albedo;
     albedo.add({k, grey, grey, nullptr, nullptr}, truth);
     EXPECT_NE(albedo.scores().everywhere.has_value(), behind);
-    EXPECT_NE(transmitted_psnr({k, grey, {1, 1, 1}, everywhere}, truth, 1).has_value(), behind);
+    EXPECT_NE(radiance_psnr({k, grey, {1, 1, 1}, everywhere}, truth, 1).has_value(), behind);
   }
 }
 
