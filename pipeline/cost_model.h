@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/foundation/artifact/stage_cost.h"
+#include "core/foundation/base/json.h"
 #include "pipeline/graph.h"
 #include "pipeline/settings.h"
 
@@ -51,5 +52,23 @@ struct Preflight {
 Preflight preflight(const std::vector<const StageNode*>& stages, const Settings& settings, const CaptureSize& capture,
                     int threads, const Resources& there);
 std::string preflight_line(const Preflight& p, const Resources& there);
+
+// The sums for every preset, for `vitrine inspect` (preset_costs.cpp).
+
+struct PresetCost {
+  std::string preset;
+  std::vector<std::pair<std::string, std::optional<StageCost>>> stages;
+  std::vector<std::string> unknown;  // stages without an estimate, with the reason
+  double seconds = 0;
+  size_t memory = 0, disk = 0;
+};
+
+struct CostInputs {
+  fs::path photos;
+  std::string truth = {};  // input.truth of the run
+};
+// Sorted by time. `threads`: of the run.
+std::vector<PresetCost> preset_costs(const Graph& graph, const CostInputs& inputs, const CaptureSize& capture, int threads);
+nlohmann::ordered_json costs_json(const std::vector<PresetCost>& costs, int threads);
 
 }  // namespace vitrine

@@ -17,7 +17,6 @@
 #include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
 #include "pipeline/measures_in_photos.h"
-#include "pipeline/preset_costs.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/preset_costs.h"
+#include "pipeline/cost_model.h"
 
 #include <algorithm>
 

@@ -60,8 +60,9 @@ int farm_command(const Words& words) {
   for (std::string& word : call) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   execv(arguments[0], arguments.data());  // in place of this process: signals of an engine reach the run
-  throw Error(ErrorKind::Dependency, "vitrine-farm cannot be started",
-              {.where = call[0], .why = std::strerror(errno), .code = "NO_PROGRAM"});
+  throw Error(
+      ErrorKind::Dependency, "vitrine-farm cannot be started",
+      {.where = call[0], .why = std::strerror(errno), .hint = "build all of vitrine: cmake --build build", .code = "NO_PROGRAM"});
 }
 
 fs::path tool_program(const std::string& tool) {

@@ -1,4 +1,4 @@
-#include "pipeline/farm/engines.h"
+#include "pipeline/farm/tasks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,8 @@ fs::path program(const char* name, const char* package) {
   const auto found = find_program(name);
   if (!found)
     throw Error(ErrorKind::Dependency, fmt::format("{} is not installed", name),
-                {.hint = fmt::format("apt-get install {}; or hand tasks.txt, one command a line, to another engine", package),
+                {.why = "no folder of PATH has it",
+                 .hint = fmt::format("apt-get install {}; or hand tasks.txt, one command a line, to another engine", package),
                  .code = "NO_ENGINE"});
   return *found;
 }

@@ -8,7 +8,6 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/config/cli.h"
-#include "pipeline/farm/engines.h"
 #include "pipeline/farm/status.h"
 #include "pipeline/graph.h"
 
@@ -36,7 +35,7 @@ CommandLine command_line(FarmArguments& a) {
   cli.value("at-once", 0, "N", a.at_once, 1, "Most tasks at a time.");
   cli.section("task");
   cli.value("index", 0, "N|auto", a.index,
-            "Number of the task, from 1; auto: as the engine's array variable says (Slurm, Grid Engine, PBS, LSF, AWS Batch, "
+            "Number of the task, from 1; auto: from the engine's array variable (Slurm, Grid Engine, PBS, LSF, AWS Batch, "
             "Kubernetes, GNU parallel).");
   cli.flag("help", 'h', a.help, "Print this text.");
   return cli;
@@ -85,7 +84,7 @@ int run_task(const fs::path& results, const FarmArguments& a) {
   std::cout.flush();
   execv(arguments[0], arguments.data());
   throw Error(ErrorKind::Dependency, "vitrine cannot be started",
-              {.where = words[0], .why = std::strerror(errno), .code = "NO_PROGRAM"});
+              {.where = words[0], .why = std::strerror(errno), .hint = "install or build all of vitrine", .code = "NO_PROGRAM"});
 }
 
 int show_status(const fs::path& results) {

@@ -77,7 +77,7 @@ void estimate(const Graph& graph, const PhotoFolder& folder, FarmTask& task) {
   task.hours = kReserve * seconds / 3600;
 }
 
-// All tasks have the same options: what `vitrine run` says of them once.
+// All tasks have the same options: `vitrine run` checks them once.
 void check_options(const FarmTask& task) {
   Words words = run_words(task);
   words.push_back("--dry-run");

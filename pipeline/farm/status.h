@@ -1,4 +1,4 @@
-// How far the tasks of a farm are, read from their output folders: a table for the terminal, and RESULTS/index.html, worst first.
+// States of the tasks of a farm, read from their output folders: a table for the terminal, and RESULTS/index.html, worst first.
 #pragma once
 
 #include <optional>

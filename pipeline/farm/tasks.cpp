@@ -133,7 +133,7 @@ size_t array_index() {
     names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", v.name, v.engine);
     const char* text = std::getenv(v.name);
     const auto value = text == nullptr ? std::nullopt : number<size_t>(text);
-    if (!value || *value < v.first) continue;  // Grid Engine says "undefined" outside an array, LSF 0
+    if (!value || *value < v.first) continue;  // outside an array: "undefined" of Grid Engine, 0 of LSF
     if (index && *index != *value - v.first)
       throw Error(ErrorKind::Usage, "two engines give this task a number",
                   {.why = fmt::format("{} and {}", from, v.name), .hint = "give the number: --index N", .code = "USAGE"});

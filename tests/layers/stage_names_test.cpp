@@ -41,6 +41,8 @@ constexpr Exception kExceptions[] = {
     {"pages.cpp", "view sfm optimize refine mesh decompose masks objects", "vitrine view"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks objects", "vitrine edit, and which results an edit replaces"},
     {"compose_command.cpp", "compose view sfm optimize mesh decompose masks objects", "vitrine compose: the artifacts it makes"},
+    {"farm/plan.cpp", "masks", "the folder masks/ next to photos"},
+    {"farm/status.cpp", "view", "links to the pages of a run"},
     {"inspect_command.cpp", "mark", "advice: the command vitrine mark"},
     {"inspect_command.cpp", "inspect sfm", "vitrine inspect: cameras of an earlier run"},
     {"rehearsal.cpp", "ingest sfm", "vitrine inspect --poses: a run up to sfm on small copies of the photos"},
