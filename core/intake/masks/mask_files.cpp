@@ -11,6 +11,7 @@
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/intake/masks/mask_classes.h"
 #include "core/intake/photos/given_file.h"
+#include "core/intake/photos/named_file.h"
 #include "core/intake/photos/photo_files.h"
 #include "core/intake/photos/picture_content.h"
 
@@ -28,13 +29,9 @@ std::string stem_key(const std::string& photo) { return lowered(fs::path(photo).
 // Maps each mask in a photo folder, detected by name and content, to its photo. Empty for other folders.
 std::map<std::string, std::string> masks_beside_photos(const fs::path& folder) {
   std::map<std::string, std::string> masks;
-  try {
-    for (const BesidePhoto& file : find_photos(folder).beside)
-      if (!file.of.empty() && (file.role == PictureRole::Mask || (file.role == PictureRole::Cutout && varying_alpha(file.path))))
-        masks[file.source] = file.of;
-  } catch (const Error& e) {
-    if (e.kind() != ErrorKind::Input) throw;  // the folder has no pictures
-  }
+  for (const BesidePhoto& file : companions_in(folder))
+    if (!file.of.empty() && (file.role == PictureRole::Mask || (file.role == PictureRole::Cutout && varying_alpha(file.path))))
+      masks[file.source] = file.of;
   return masks;
 }
 
@@ -46,26 +43,6 @@ bool in_folder_of_masks(const fs::path& name) {
 }
 
 std::string joined(const fs::path& folder, const std::string& base) { return lowered((folder / base).generic_string()); }
-
-// Resolves a file named by a JSON file in `folder`: the path as written; else, for a path from another machine
-// ("/home/me/set/masks/a.png", "C:\\set\\masks\\a.png"), its longest suffix below `folder` with at least one folder. nullopt: it
-// does not exist. Throws for a file outside `folder`.
-std::optional<fs::path> named_file(const fs::path& folder, const JsonAt& written) {
-  std::string text = written.text();
-  std::error_code ec;
-  if (!fs::exists(folder / text, ec)) std::replace(text.begin(), text.end(), '\\', '/');
-  const fs::path path = fs::path(text).lexically_normal();
-  std::vector<fs::path> ends{path};
-  for (auto first = path.begin(); first != path.end(); ++first) {
-    fs::path end;
-    for (auto part = first; part != path.end(); ++part) end /= *part;
-    if (std::distance(first, path.end()) > 1) ends.push_back(end);
-  }
-  for (const fs::path& end : ends)
-    if (stays_below(end) && fs::is_regular_file(folder / end, ec)) return path_inside(folder, end);
-  if (stays_below(path) || !fs::exists(path.is_absolute() ? path : folder / path, ec)) return std::nullopt;
-  written.fail("'" + text + "' is not a path inside the folder of this file");
-}
 
 // Refuses files given as masks that hold no pictures and name none, with what to export instead.
 void refuse_file_without_masks(const fs::path& file) {
