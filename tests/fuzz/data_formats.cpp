@@ -10,6 +10,7 @@
 #include <ImfPartType.h>
 #include <ImfRgbaFile.h>
 
+#include "core/intake/depth/depth_files.h"
 #include "core/intake/masks/mask_files.h"
 #include "core/learn/loss/feature_network.h"
 #include "core/render/picture/decomposed_materials.h"
@@ -77,6 +78,22 @@ void fuzz_tiff(std::span<const uint8_t> bytes) {
   });
 }
 
+// One file under the names of all types, and as the list that names it.
+void fuzz_depth(std::span<const uint8_t> bytes) {
+  const auto parts = parts_of(bytes, 2);
+  for (const char* name : {"depth.png", "depth.exr"}) {
+    const fs::path path = input_file(name, parts[1]);
+    refuses_or_reads([&] { read_depth(path); });
+  }
+  const fs::path list = input_file("transforms.json", parts[0]);
+  refuses_or_reads([&] {
+    const DepthFolder folder(list);
+    const std::vector<std::string> photos{"images/a.jpg", "b.jpg"};
+    for (const auto& file : folder.match(photos))
+      if (file) read_depth(*file, folder.unit());
+  });
+}
+
 void fuzz_onnx(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("network.onnx", text_of(bytes));
   refuses_or_reads([&] {
@@ -113,6 +130,18 @@ Image8 gradient8(int width, int height, int channels) {
 }
 
 }  // namespace
+
+std::vector<std::string> depth_corpus() {
+  const std::string list =
+      R"({"depth_unit_scale_factor": 0.001, "frames": [{"file_path": "images/a.jpg", "depth_file_path": "depth.png"},)"
+      R"( {"file_path": "images/b.jpg", "depth_path": "/other/set/depth.exr"}]})";
+  Image16 steps(9, 7, 1);
+  for (size_t i = 0; i < steps.data().size(); ++i) steps.data()[i] = static_cast<uint16_t>(i * 331);
+  const ExrImage layers{.pixels = gradient(9, 7, 2), .channels = {"ViewLayer.Depth.Z", "Y"}, .attributes = {}};
+  return {list + std::string(kPartMark) + bytes_of("made.png", [&](const fs::path& p) { write_png16(p, steps); }),
+          list + std::string(kPartMark) + bytes_of("made.exr", [&](const fs::path& p) { write_exr(p, layers, ExrPrecision::Float); }),
+          list + std::string(kPartMark) + bytes_of("made.png", [&](const fs::path& p) { write_ldr(p, gradient8(9, 7, 3)); })};
+}
 
 std::vector<std::string> mesh_ply_corpus() {
   TriMesh mesh;

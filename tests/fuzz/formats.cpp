@@ -9,7 +9,7 @@ std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_c
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), materials_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(),
-    tiff_corpus(), onnx_corpus(), weights_corpus(), objects_corpus();
+    tiff_corpus(), depth_corpus(), onnx_corpus(), weights_corpus(), objects_corpus();
 std::vector<std::string> icc_corpus(), tagged_photo_corpus(), heif_corpus(), raw_corpus(), gpano_corpus(), film_text_corpus(),
     film_corpus();
 
@@ -99,6 +99,11 @@ std::span<const FuzzFormat> fuzz_formats() {
         "\x02\x01\x03\x00"sv, "\x03\x01\x03\x00"sv, "\x06\x01\x03\x00"sv, "\x11\x01\x04\x00"sv, "\x15\x01\x03\x00"sv,
         "\x16\x01\x04\x00"sv, "\x17\x01\x04\x00"sv, "\x1c\x01\x03\x00\x01\x00\x00\x00\x02"sv, "\x3d\x01\x03\x00"sv,
         "\x42\x01\x03\x00"sv, "\x4a\x01\x04\x00"sv, "\x52\x01\x03\x00"sv, "\x53\x01\x03\x00"sv, "\xff\xff\xff\x7f"sv}},
+      {"depth",
+       fuzz_depth,
+       depth_corpus,
+       {"depth_file_path", "depth_path", "integer_depth_scale", "-1", "1e999", "\"..\"", "IHDR", "IDAT", "\x10\x00\x00\x00\x00"sv, "\x76\x2f\x31\x01"sv,
+        "chlist\0"sv, "Z\0"sv, "{}", "[]", kPartMark}},
       {"heif", fuzz_heif, heif_corpus, {"ftypheic", "ftypavif", "meta",       "iinf",      "infe\2"sv,       "iloc\1\0\0\0\x44"sv,
                                         "iref\1"sv, "iprp",     "ipco",       "ipma",      "ispe\0\0\0\0"sv, "irot",
                                         "imir",     "clap",     "colrnclx",   "colrprof",  "grid",           "iden",

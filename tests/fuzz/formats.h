@@ -50,6 +50,7 @@ void fuzz_gpano(std::span<const uint8_t> bytes);
 void fuzz_film_text(std::span<const uint8_t> bytes);
 void fuzz_film(std::span<const uint8_t> bytes);
 void fuzz_icc(std::span<const uint8_t> bytes);
+void fuzz_depth(std::span<const uint8_t> bytes);
 void fuzz_onnx(std::span<const uint8_t> bytes);
 void fuzz_weights(std::span<const uint8_t> bytes);
 
