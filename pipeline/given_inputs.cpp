@@ -10,6 +10,7 @@
 #include "core/foundation/config/json_file.h"
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/foundation/config/text.h"
+#include "core/intake/depth/depth_files.h"
 #include "core/intake/masks/marks_check.h"
 #include "core/intake/masks/photo_masks.h"
 #include "core/intake/photos/linear_photo.h"
@@ -34,6 +35,12 @@ void check_masks(const fs::path& masks, const Settings& settings) {
     if (source == "auto" || source == "files" || of_features) used.push_back(kind);
   }
   check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
+}
+
+// Checks the names of depth maps, and one of them, with the code of the normals stage.
+void check_depth(const fs::path& depth, const Settings& settings) {
+  const std::vector<std::string> photos = PhotoNames(settings.text("input.photos")).all();
+  if (!photos.empty()) check_depth_names(depth, photos);
 }
 
 // Rejects a file that is not an object table before any stage runs; the objects stage validates its entries.
@@ -153,6 +160,7 @@ void check_given_inputs(const Planner& planner, const Settings& settings) {
           ErrorKind::Input, fmt::format("input '{}' does not exist", name),
           {.where = value, .why = fmt::format("{} names it", given.origin), .hint = "check the path", .code = "MISSING_INPUT"});
     if (name == "objects") check_objects(value);
+    if (name == "depth") check_depth(value, settings);
     if (name != "masks") continue;
     if (is_yaml_file(value))
       check_marks(value, settings.text("input.photos"));

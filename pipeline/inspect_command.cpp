@@ -27,7 +27,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectArguments {
-  std::string output, poses, masks;
+  std::string output, poses, masks, depth;
   std::vector<std::string> sets;
   int threads = 0, frames = 0;
   bool json = false, verbose = false, help = false;
@@ -36,10 +36,11 @@ struct InspectArguments {
 struct Subject {
   fs::path photos;
   std::optional<fs::path> project = {};  // output folder of an earlier run
-  std::string poses = {}, masks = {};    // of the run; "none": explicitly none
+  std::string poses = {}, masks = {}, depth = {};  // of the run; "none": explicitly none
   std::string truth = {};                // input.truth of the project
   std::string frames = {};               // ingest.frames of the run; empty: the default
 
+  bool has_depth() const { return !depth.empty() && depth != "none"; }
   bool has_masks() const { return !masks.empty() && masks != "none"; }
 };
 
@@ -53,8 +54,9 @@ void require_given(const std::string& path, const char* name, const char* hint) 
 Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
   const fs::path output = a.output.empty() ? fs::path() : fs::absolute(a.output).lexically_normal();
-  Subject s{.photos = what, .poses = a.poses, .masks = a.masks};
+  Subject s{.photos = what, .poses = a.poses, .masks = a.masks, .depth = a.depth};
   require_given(a.masks, "masks", "give a folder of masks or a file of marks, as to vitrine run");
+  require_given(a.depth, "depth maps", "give a folder of depth maps or a transforms.json, as to vitrine run");
   require_given(a.poses, "poses", "give a COLMAP model or a transforms.json, as to vitrine run");
   if (is_project(what))
     s.project = what;
@@ -67,7 +69,8 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   if (!s.project) {
     settings.load({.flags = {{"input.photos", what.string(), "PHOTOS"},
                              {"input.poses", a.poses, "--poses"},
-                             {"input.masks", a.masks, "--masks"}}});
+                             {"input.masks", a.masks, "--masks"},
+                             {"input.depth", a.depth, "--depth"}}});
     if (!a.output.empty()) check_inputs_apart(output, graph, settings);
     return s;
   }
@@ -78,6 +81,7 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   if (const Option* frames = settings.options.table.find("ingest.frames"); frames != nullptr && s.frames.empty())
     s.frames = frames->text();
   if (a.masks.empty()) s.masks = settings.text("input.masks");
+  if (a.depth.empty() && settings.options.table.find("input.depth") != nullptr) s.depth = settings.text("input.depth");
   // Poses that a run has already accepted need no rehearsal.
   if (a.poses.empty() && !current_key(*s.project, "sfm")) s.poses = settings.text("input.poses");
   return s;
@@ -112,6 +116,7 @@ Json photos_report(const Subject& subject, const InspectArguments& a) {
     if (const auto key = current_key(*subject.project, "sfm"))
       run.insert(run.end(), {"--input", "sfm=" + (store_of(*subject.project) / "sfm" / *key).string()});
   if (subject.has_masks() && !is_yaml_file(subject.masks)) run.insert(run.end(), {"--input", "masks=" + subject.masks});
+  if (subject.has_depth()) run.insert(run.end(), {"--input", "depth=" + subject.depth});
   if (!subject.frames.empty()) run.insert(run.end(), {"--set", "frames=" + subject.frames});
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
@@ -305,6 +310,7 @@ int inspect_command(const Words& words) {
             "run that has no cameras yet.");
   cli.value("masks", 0, "PATH", a.masks,
             "Masks that the run will be given: would they be taken? Layers take longer. Default: those of an earlier run.");
+  cli.value("depth", 0, "PATH", a.depth, "Depth maps that the run will be given. Default: those of an earlier run.");
   cli.value("frames", 0, "N", a.frames, 2, "Most frames of films that become photos; default: as in a run.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads, here and in the estimates; 0 = all.");

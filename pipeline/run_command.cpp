@@ -25,7 +25,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, objects, normals, truth, grey_card, scale_bar, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0, frames = 0;
@@ -54,6 +54,9 @@ CommandLine run_command_line(RunArguments& a) {
       "The table of glass, mirrors and coats: objects/objects.json of an earlier run, corrected by hand; instead of one that "
       "is found.");
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
+  cli.value("depth", 0, "PATH", a.depth,
+            "Depth maps of the photos, named like them: 16-bit PNG in millimetres, EXR or TIFF of floats in metres; or a "
+            "transforms.json with depth_file_path.");
   cli.value("truth", 0, "DIR", a.truth,
             "Ground truth to evaluate against; a folder 'truth' next to the photos is found by itself, \"none\" leaves it out.");
   cli.value(
@@ -138,6 +141,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.masks", a.masks, "--masks");
   flag("input.objects", a.objects, "--objects");
   flag("input.normals", a.normals, "--normals");
+  flag("input.depth", a.depth, "--depth");
   flag("input.truth", a.truth, "--truth");
   flag("decompose.grey_card", a.grey_card, "--grey-card");
   flag("export.scale_bar", a.scale_bar, "--scale-bar");

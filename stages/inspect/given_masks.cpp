@@ -5,9 +5,7 @@
 
 namespace vitrine {
 
-namespace {
-
-Finding refused(const Error& e) {
+Finding refused_input(const Error& e) {
   const ErrorDetail& d = e.detail();
   return {.code = d.code,
           .severity = Severity::Problem,
@@ -16,6 +14,8 @@ Finding refused(const Error& e) {
           .hint = d.hint,
           .photos = {}};
 }
+
+namespace {
 
 // Checks the masks of one class. Masks of another size may belong to undistorted photos, whose size is unknown before the poses.
 void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<PhotoFacts>& photos,
@@ -94,7 +94,7 @@ std::vector<Finding> mask_findings(const std::filesystem::path& path, const std:
         check_class(folder, kind, photos, usable, list, blank);
       } catch (const Error& e) {
         if (e.kind() != ErrorKind::Input) throw;
-        list.push_back(refused(e));
+        list.push_back(refused_input(e));
       }
     }
     if (classes == 0) throw_no_mask_file(path);
@@ -109,7 +109,7 @@ std::vector<Finding> mask_findings(const std::filesystem::path& path, const std:
                          : Finding{"MASKS_EMPTY", Severity::Warning, text, "the class is taken as absent", "", {}});
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
-    list.push_back(refused(e));
+    list.push_back(refused_input(e));
   }
   return list;
 }

@@ -4,6 +4,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
 #include "core/intake/film/photos_and_films.h"
+#include "core/intake/depth/depth_files.h"
 #include "core/intake/masks/mask_files.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
@@ -130,6 +131,11 @@ void run(const InspectConfig& config, StageContext& context) {
     found.list.insert(found.list.end(), more.begin(), more.end());
     worst_first(found.list);
   }
+  if (const auto depth = context.optional_input("depth")) {
+    const std::vector<Finding> more = depth_findings(*depth, photos);
+    found.list.insert(found.list.end(), more.begin(), more.end());
+    worst_first(found.list);
+  }
   Json report{{"format", kFormat}, {"verdict", verdict(found.list)}, {"set", figures_json(found.figures, photos)}};
   report["findings"] = Json::array();
   for (const Finding& f : found.list) report["findings"].push_back(finding_json(f, photos));
@@ -163,7 +169,12 @@ Stage inspect_stage() {
                    .artifact = false,
                    .optional = true,
                    .doc = "masks that the run will be given",
-                   .also = files_of_mask_list}}},
+                   .also = files_of_mask_list},
+                  {.name = "depth",
+                   .artifact = false,
+                   .optional = true,
+                   .doc = "depth maps that the run will be given",
+                   .also = files_of_depth_list}}},
       &run);
 }
 

@@ -7,6 +7,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/observe/stereo/known_depth.h"
 #include "core/observe/stereo/patch_match.h"
 #include "core/scene/camera/holdout.h"
 #include "core/scene/image/exr.h"
@@ -86,6 +87,26 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
+// The user's depth maps at the size of the matched photos, with normals fitted to them alone.
+std::vector<KnownDepth> known_depths(const NormalCapture& capture, std::span<const StereoPhoto> photos) {
+  std::vector<KnownDepth> known(photos.size());
+  parallel_for(photos.size(), 1, [&](size_t v) {
+    if (capture.depth[v].empty() || photos[v].luma.empty() || interrupt_signal() != 0) return;
+    const Intrinsics& k = photos[v].view.intrinsics;
+    KnownDepth& of = known[v];
+    of.zdepth = resized_depth(capture.depth[v], k.width, k.height);
+    DepthSamples samples{k.width, k.height, std::vector<float>(k.pixel_count()), std::vector<float>(k.pixel_count())};
+    for (size_t i = 0; i < k.pixel_count(); ++i)
+      if (const float z = of.zdepth.data()[i]; z > 0) samples.inverse_z[i] = 1 / z, samples.weight[i] = 1;
+    NormalMap normals = fitted_normals(samples, photos[v].luma, k);
+    forget_hidden_sides(normals, k);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) of.normal.push_back(normals.at(x, y));
+  });
+  throw_if_interrupted();
+  return known;
+}
+
 // Writes the normals of the objects' shapes to their pixels. Stereo measures the wrong surface behind glass and perhaps on a
 // mirror; on paint under a coat it works, and the normals of a visual hull are no better.
 void put_objects(const GeometricDesc& desc, const View& view, const View& photo, NormalMap& map) {
@@ -145,6 +166,7 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
   if (confirmed) count_agreement(photos, depths);
+  if (confirmed && !desc.capture.depth.empty()) join_known_depth(photos, known_depths(desc.capture, photos), depths);
   const bool objects = desc.with_objects && !desc.capture.objects.objects().empty();
   progress(0.85);
   std::vector<NormalMap> normals(desc.views.size());

@@ -21,7 +21,8 @@ struct NormalCapture {
   std::filesystem::path sfm;
   LabelledObjects objects;  // without guessed objects
   ViewSet set;
-  std::vector<uint32_t> helpers;  // photos usable as matching partners (not held out)
+  std::vector<uint32_t> helpers;   // photos usable as matching partners (not held out)
+  std::vector<ImageF> depth = {};  // [view] z-depth of the user's maps (given_depth.h); empty: none
 
   // The photo, display-referred, at the requested size. [h,w,3]
   ImageF photo(size_t view, int width, int height) const;

@@ -10,7 +10,11 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/timer.h"
+#include "core/intake/depth/depth_files.h"
+#include "core/observe/stereo/known_depth.h"
+#include "core/scene/image/exr.h"
 #include "stages/normals/geometric.h"
+#include "stages/normals/given_depth.h"
 #include "stages/normals/space.h"
 #include "stages/training_cost.h"
 
@@ -38,6 +42,7 @@ class NormalsRun {
   void run() {
     const NormalSource source = chosen_source();
     report_["source"] = kNormalSourceWords[size_t(source)];
+    if (const auto depth = context_.optional_input("depth")) given_depths(*depth);
     if (source == NormalSource::Geometric) geometric();
     if (source == NormalSource::Files) files();
     if (source == NormalSource::Onnx) onnx();
@@ -55,6 +60,32 @@ class NormalsRun {
     std::vector<uint32_t> views;
     for (uint32_t v = 0; v < capture_.set.views.size(); ++v) views.push_back(v);
     return views;
+  }
+
+  // Writes the user's depth maps in scene units; stereo takes them where they agree with each other.
+  void given_depths(const fs::path& folder) {
+    Notes notes;
+    auto given = given_depth(folder, context_.input("sfm"), capture_.set, config_.max_side, notes);
+    for (const Note& note : notes) context_.warning(note.code, note.text);
+    report_["depth"] = {{"used", given.has_value()}};
+    if (!given) return;
+    report_["depth"] = {{"used", true},
+                        {"photos", given->photos},
+                        {"photos_of_other_scale", given->other_scale},
+                        {"sparse_points", given->ratios},
+                        {"units_per_metre", given->units_per_metre},
+                        {"scale_from", given->from_frame ? "poses" : "sparse points"},
+                        {"spread", given->spread}};
+    context_.metric("depth_maps", double(given->photos));
+    log_info("depth maps of {} photos: 1 m of theirs is {:.4g} units of the scene ({} sparse points, spread {:.1f} %)",
+             given->photos, given->units_per_metre, given->ratios, 100 * given->spread);
+    for (uint32_t v : all_views()) {
+      if (given->maps[v].empty()) continue;
+      const fs::path file = known_depth_path(context_.output(), capture_.set.views[v]);
+      make_folders(file.parent_path());
+      write_exr(file, {.pixels = given->maps[v], .channels = {"Z"}, .attributes = {}}, ExrPrecision::Float);
+    }
+    capture_.depth = std::move(given->maps);
   }
 
   void geometric() {
@@ -266,6 +297,11 @@ Stage normals_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "normal maps of the photos: <stem>.png or <stem>.exr"},
+                            {.name = "depth",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "depth maps of the photos: <stem>.png of 16 bit or <stem>.exr, or a transforms.json",
+                             .also = files_of_depth_list},
                             {.name = "network",
                              .artifact = false,
                              .optional = true,

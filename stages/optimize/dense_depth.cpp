@@ -5,8 +5,9 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/color.h"
-#include "core/observe/stereo/scene_planes.h"
 #include "core/observe/stereo/patch_match.h"
+#include "core/observe/stereo/scene_planes.h"
+#include "core/scene/image/exr.h"
 
 namespace vitrine {
 
@@ -47,7 +48,30 @@ double DenseDepth::reliable_share() const {
   return pixels > 0 ? double(reliable) / double(pixels) : 0;
 }
 
-DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed) {
+KnownDepthOf known_depth_of(const Capture& capture, const Targets& targets, const std::optional<std::filesystem::path>& normals) {
+  std::error_code ec;
+  if (!normals || !std::filesystem::is_directory(*normals / "depth", ec)) return {};
+  return [&capture, &targets, artifact = *normals](uint32_t photo, size_t level) {
+    const std::filesystem::path file = known_depth_path(artifact, capture.view_set.views[photo]);
+    const TargetLevel& target = targets.photos[photo][level];
+    std::error_code missing;
+    if (target.normals.empty() || !std::filesystem::exists(file, missing)) return KnownDepth{};
+    const Intrinsics& k = capture.photos[photo].levels[level].view.intrinsics;
+    KnownDepth known{.zdepth = resized_depth(read_exr(file).pixels, k.width, k.height),
+                     .normal = std::vector<Vec3f>(k.pixel_count())};
+    for (size_t i = 0; i < k.pixel_count(); ++i) {
+      const Vec3f n{float(target.normals[i]), float(target.normals[k.pixel_count() + i]),
+                    float(target.normals[2 * k.pixel_count() + i])};
+      if (squared_length(n) > 0) known.normal[i] = normalized(n);
+      for (const MaskClass kind : {MaskClass::Transparent, MaskClass::Specular})
+        if (const auto& mask = target.masks[static_cast<size_t>(kind)]; !mask.empty() && mask[i] > 127)
+          known.zdepth.data()[i] = 0;
+    }
+    return known;
+  };
+}
+
+DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed, const KnownDepthOf& known) {
   DenseDepth dense;
   dense.photos.resize(capture.photos.size());
   const size_t level = dense.level = level_near(capture, max_side);
@@ -65,6 +89,11 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   for (StereoPhoto& photo : dense.photos) photo.background_z = dense.background;
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
+  if (known) {
+    std::vector<KnownDepth> given(dense.photos.size());
+    parallel_for(capture.train.size(), 1, [&](size_t t) { given[capture.train[t]] = known(capture.train[t], level); });
+    join_known_depth(dense.photos, given, dense.maps);
+  }
   dense.planes = scene_planes(dense.photos, dense.maps);
   const std::vector<ScenePlane> walls = bare_walls(dense.photos, dense.maps, dense.planes);
   dense.planes.insert(dense.planes.end(), walls.begin(), walls.end());

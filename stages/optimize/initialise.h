@@ -3,13 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/foundation/math/rigid.h"
 #include "core/foundation/math/vec.h"
 #include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
+#include "core/observe/stereo/known_depth.h"
 #include "core/observe/stereo/scene_planes.h"
 #include "core/render/model/kernels/medium.h"
 #include "core/scene/shape/shape_set.h"
@@ -30,8 +34,14 @@ struct DenseDepth {
   double reliable_share() const;    // fraction of all pixels
 };
 
+// Depth maps of the user for one photo at a level of its pyramid.
+using KnownDepthOf = std::function<KnownDepth(uint32_t photo, size_t level)>;
+// Those in an artifact of the normals stage, with its normals as surfaces; empty without. Pixels of glass and mirrors are
+// unknown: sensors measure something else there, and surfels of their surfaces are placed by other means.
+KnownDepthOf known_depth_of(const Capture& capture, const Targets& targets, const std::optional<std::filesystem::path>& normals);
+
 // Uses the pyramid level whose longer side is nearest to `max_side`.
-DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed);
+DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed, const KnownDepthOf& known = {});
 
 // Sample points on the shapes of glass and mirrors (core/scene/objects), for the surfels that are placed when their layer begins.
 // Both are textureless; only their silhouettes determine their position.

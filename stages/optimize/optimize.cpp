@@ -39,12 +39,12 @@ void check_memory(const OptimizeConfig& config, const Capture& capture, const St
 // Dense depth of the training photos, computed on first use.
 class LazyDepth {
  public:
-  LazyDepth(const OptimizeConfig& config, const Capture& capture, StageContext& context)
-      : config_(config), capture_(capture), context_(context) {}
+  LazyDepth(const OptimizeConfig& config, const Capture& capture, KnownDepthOf known, StageContext& context)
+      : config_(config), capture_(capture), known_(std::move(known)), context_(context) {}
   const DenseDepth& get() {
     if (depth_) return *depth_;
     const Timer timer;
-    depth_ = dense_depth(capture_, config_.initial.stereo_side, kFarFactor, uint64_t(config_.seed));
+    depth_ = dense_depth(capture_, config_.initial.stereo_side, kFarFactor, uint64_t(config_.seed), known_);
     context_.timing("stereo_seconds", timer.seconds());
     log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * depth_->reliable_share(),
              capture_.train.size(), timer.seconds());
@@ -55,6 +55,7 @@ class LazyDepth {
  private:
   const OptimizeConfig& config_;
   const Capture& capture_;
+  KnownDepthOf known_;
   StageContext& context_;
   std::optional<DenseDepth> depth_;
 };
@@ -176,7 +177,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));
   if (config.layers == WantedLayers::Auto && !layers.any() && !read_objects(context.optional_input("objects")).empty())
     log_info("glass and mirrors are only guessed: one opaque layer (correct objects/objects.json and give it with --objects)");
-  LazyDepth depth(config, capture, context);
+  LazyDepth depth(config, capture, known_depth_of(capture, targets, context.optional_input("normals")), context);
   const Surroundings surroundings = surroundings_to_train(
       config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
   log(surroundings);

@@ -241,6 +241,26 @@ TEST_F(BroughtInputs, MapsAndCutOutsBesideThePhotosAreNoPhotos) {
   EXPECT_EQ(nlohmann::json::parse(read_file(artifact / "ingest/photos.json"))["photos"].size(), views.size());
 }
 
+TEST_F(BroughtInputs, DepthMapsOfAnotherKindOrOfOtherPhotosAreRefused) {
+  Image16 depth(kWidth / 2, kHeight / 2, 1);
+  Image8 grey(kWidth, kHeight, 1);
+  for (size_t i = 0; i < depth.data().size(); ++i) depth.data()[i] = uint16_t(900 + i % 700);
+  for (size_t i = 0; i < grey.data().size(); ++i) grey.data()[i] = uint8_t(i % 251);
+  for (const char* folder : {"depth", "grey", "other"}) make_folders(here(folder));
+  for (const View& v : views) {
+    write_png16(here("depth") / (v.stem() + ".png"), depth);
+    write_png16(here("other") / ("x" + v.stem() + "y.png"), depth);
+    write_ldr(here("grey") / (v.stem() + ".png"), grey);
+  }
+  expect({photos().string(), "--depth", here("grey").string()}, "ingest", 3, "NOT_A_DEPTH_MAP", "NOT_A_DEPTH_MAP");
+  expect({photos().string(), "--depth", here("other").string()}, "ingest", 3, "DEPTH_MATCHES_NO_PHOTO", "DEPTH_MATCHES_NO_PHOTO");
+  const std::vector<std::string> right{photos().string(), "--depth", here("depth").string()};
+  EXPECT_EQ(ran(right, "ingest").exit, 0);
+  const Answer look = inspected(right);
+  EXPECT_TRUE(look.codes.contains("depth_maps")) << look.text;
+  EXPECT_NE(look.text.find("0.9 to 1.6 m"), std::string::npos) << look.text;
+}
+
 TEST_F(BroughtInputs, LabelMapsWithAVoidValueAreNamed) {
   for (const View& v : views) {
     Image8 labels(kWidth, kHeight, 1);

@@ -37,7 +37,7 @@ std::string hint_of(PictureRole role, const std::string& folder) {
     case PictureRole::Cutout:
       return fmt::format("they are left out of the photos; --masks {} uses their alpha channels as masks of the object", folder);
     case PictureRole::Depth:
-      return "they are left out; depth maps are not used";
+      return fmt::format("they are left out of the photos; --depth {} uses them", folder);
     case PictureRole::Confidence:
       return "they are left out; confidence maps are not used";
     case PictureRole::Labels:

@@ -63,8 +63,10 @@ class Folder {
   void walls(int n, int width = 640, int height = 480) {
     for (int i = 0; i < n; ++i) add(wall(width, height, 1, 20 * i));
   }
-  nlohmann::json report() const {
-    RecordingContext context({{"photos", folder_.path()}});
+  nlohmann::json report(const std::map<std::string, fs::path>& more = {}) const {
+    std::map<std::string, fs::path> inputs = more;
+    inputs["photos"] = folder_.path();
+    RecordingContext context(inputs);
     const Stage stage = inspect_stage();
     stage.run(context);
     return nlohmann::json::parse(read_file(context.output() / "inspect" / "report.json"));
@@ -133,6 +135,30 @@ TEST(Inspect, SaysWhatLiesBesideThePhotos) {
       EXPECT_NE(f["try"].get<std::string>().find("--masks "), std::string::npos);
     }
   }
+}
+
+TEST(Inspect, ChecksEveryDepthMap) {
+  Folder folder;
+  folder.walls(12);
+  const TemporaryFolder maps;
+  Image16 depth(320, 240, 1);
+  for (size_t i = 0; i < depth.data().size(); ++i) depth.data()[i] = i % 4 == 0 ? uint16_t(0) : uint16_t(1500 + i % 1000);
+  for (int i = 1; i < 12; ++i) write_png16(maps.path() / fmt::format("{:02}.png", i), depth);
+  const auto of = [](const nlohmann::json& report, const std::string& code) {
+    for (const auto& f : report["findings"])
+      if (f["code"] == code) return f;
+    return nlohmann::json();
+  };
+  const auto good = folder.report({{"depth", maps.path()}});
+  EXPECT_EQ(of(good, "depth_maps")["what"], "11 of 12 photos have a depth map");
+  EXPECT_EQ(of(good, "depth_maps")["why"], "75 % of the pixels are known, 1.5 to 2.5 m");
+  EXPECT_EQ(photos_of(good, "DEPTH_INCOMPLETE"), (Names{"00.jpg"}));
+  write_png16(maps.path() / "05.png", Image16(300, 300, 1, 7));
+  EXPECT_EQ(of(folder.report({{"depth", maps.path()}}), "NOT_A_DEPTH_MAP")["severity"], "problem");  // of one depth
+  Image16 square(300, 300, 1, 700);
+  square.at(3, 3) = 900;
+  write_png16(maps.path() / "05.png", square);
+  EXPECT_EQ(photos_of(folder.report({{"depth", maps.path()}}), "DEPTH_OTHER_SHAPE"), (Names{"05.jpg"}));
 }
 
 TEST(Inspect, SeesCamerasAndZoomInExif) {
