@@ -1,13 +1,12 @@
 // A bundle adjustment in which each photo has its own focal length.
 #include "stages/sfm/gains/bundle.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/foundation/base/rng.h"
+#include "tests/stages/sfm/gains/ring_of_photos.h"
 
 namespace vitrine {
 namespace {
@@ -20,27 +19,12 @@ ColmapModel ring(double first, double second) {
   Rng rng(5);
   ColmapModel model;
   model.cameras.push_back({.id = 1, .model_id = 2, .width = 640, .height = 480, .params = {500, 320, 240, 0}});
-  for (uint64_t p = 1; p <= 300; ++p)
-    model.points.push_back({.id = p, .position = {rng.normal() * 0.4, rng.normal() * 0.4, rng.normal() * 0.25}, .track = {}});
+  test::add_cloud(model, 300, rng);
   for (uint32_t v = 1; v <= 12; ++v) {
-    const double azimuth = 2 * std::numbers::pi * v / 12, focal = v % 2 == 0 ? second : first;
-    const Vec3d eye{2 * std::cos(azimuth), 2 * std::sin(azimuth), 0.5 + 0.3 * (v % 3)};
-    const Vec3d forward = normalized(-1.0 * eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
-    const Rigid pose = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
-    ColmapImage image{.id = v,
-                      .rotation = quaternion(pose.rotation),
-                      .translation = pose.translation,
-                      .camera_id = 1,
-                      .name = fmt::format("{:02}.jpg", v),
-                      .points = {}};
-    for (ColmapPoint3D& point : model.points) {
-      const Vec3d q = pose * point.position;
-      const double px = focal * q.x / q.z + 320 + kNoise * rng.normal(), py = focal * q.y / q.z + 240 + kNoise * rng.normal();
-      if (px < 0 || py < 0 || px > 640 || py > 480) continue;
-      point.track.push_back({v, uint32_t(image.points.size())});
-      image.points.push_back({px, py, point.id});
-    }
-    model.images.push_back(std::move(image));
+    const double focal = v % 2 == 0 ? second : first;
+    test::add_photo(model, v, 2 * std::numbers::pi * v / 12, 0.5 + 0.3 * (v % 3), [&](double x, double y) {
+      return Vec2d{focal * x + 320 + kNoise * rng.normal(), focal * y + 240 + kNoise * rng.normal()};
+    });
   }
   return model;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/foundation/base/rng.h"
+#include "tests/stages/sfm/gains/ring_of_photos.h"
 
 namespace vitrine {
 namespace {
@@ -26,30 +26,12 @@ ColmapModel mapped(const LensDesc& lens, bool middle_is_true = false) {
   const size_t at = two ? 2 : 1;
   if (middle_is_true) camera.params[at] = 320, camera.params[at + 1] = 240;
   const std::vector<double> truth = camera.params;
-  for (uint64_t p = 1; p <= 400; ++p)
-    model.points.push_back({.id = p, .position = {rng.normal() * 0.4, rng.normal() * 0.4, rng.normal() * 0.25}, .track = {}});
-  for (uint32_t v = 1; v <= lens.views; ++v) {
-    const double azimuth = 2 * std::numbers::pi * v / double(lens.views);
-    const Vec3d eye{2 * std::cos(azimuth), 2 * std::sin(azimuth), v % 2 == 0 ? 0.5 : 1.2};
-    const Vec3d forward = normalized(-1.0 * eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
-    const Rigid pose = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
-    ColmapImage image{.id = v,
-                      .rotation = quaternion(pose.rotation),
-                      .translation = pose.translation,
-                      .camera_id = 1,
-                      .name = fmt::format("{:02}.jpg", v),
-                      .points = {}};
-    for (ColmapPoint3D& point : model.points) {
-      const Vec3d q = pose * point.position;
-      const double x = q.x / q.z, y = q.y / q.z, r = 1 + truth[at + 2] * (x * x + y * y);
-      const double px = truth[0] * x * r + truth[at] + 0.3 * rng.normal(),
-                   py = truth[two ? 1 : 0] * y * r + truth[at + 1] + 0.3 * rng.normal();
-      if (px < 0 || py < 0 || px > 640 || py > 480) continue;
-      point.track.push_back({v, uint32_t(image.points.size())});
-      image.points.push_back({px, py, point.id});
-    }
-    model.images.push_back(std::move(image));
-  }
+  test::add_cloud(model, 400, rng);
+  for (uint32_t v = 1; v <= lens.views; ++v)
+    test::add_photo(model, v, 2 * std::numbers::pi * v / double(lens.views), v % 2 == 0 ? 0.5 : 1.2, [&](double x, double y) {
+      const double r = 1 + truth[at + 2] * (x * x + y * y);
+      return Vec2d{truth[0] * x * r + truth[at] + 0.3 * rng.normal(), truth[two ? 1 : 0] * y * r + truth[at + 1] + 0.3 * rng.normal()};
+    });
   camera.params[at] = 320, camera.params[at + 1] = 240;
   if (two) camera.params.resize(4);
   model.cameras.push_back(camera);
