@@ -1,12 +1,8 @@
 #include "stages/ingest/panorama_photos.h"
 
-#include <algorithm>
-#include <set>
-
-#include <fmt/format.h>
-
 #include "core/foundation/base/file.h"
 #include "core/scene/camera/panorama_views.h"
+#include "core/scene/camera/wide_views.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 
@@ -22,8 +18,8 @@ std::vector<Photo> write_panorama_views(ImageF linear, const Photo& panorama, co
   for (int i = 0; i < kPanoramaViews; ++i) {
     const Mat3d rotation = panorama_view_rotation(i);
     Photo& photo = photos.emplace_back(panorama);
-    photo.stem = fmt::format("{}/view_{:02}", folder, i);
-    photo.name = photo.stem + fs::path(panorama.name).extension().string();
+    photo.name = view_name(folder, panorama.name, size_t(i));
+    photo.stem = fs::path(photo.name).replace_extension().generic_string();
     photo.width = view.width, photo.height = view.height;
     photo.focal_px = view.fx;
     photo.focal_source = "panorama";
@@ -39,16 +35,9 @@ std::vector<Photo> write_panorama_views(ImageF linear, const Photo& panorama, co
 }
 
 std::vector<std::string> view_folders(std::span<const PhotoFile> photos) {
-  std::set<std::string> taken;
-  for (const PhotoFile& photo : photos)
-    for (fs::path folder = fs::path(photo.stem).parent_path(); !folder.empty(); folder = folder.parent_path())
-      taken.insert(folder.generic_string());
-  std::vector<std::string> folders;
-  for (const PhotoFile& photo : photos) {
-    std::string& folder = folders.emplace_back(photo.stem);
-    while (!taken.insert(folder).second) folder += '_';
-  }
-  return folders;
+  std::vector<std::string> stems;
+  for (const PhotoFile& photo : photos) stems.push_back(photo.stem);
+  return vitrine::view_folders(stems);
 }
 
 }  // namespace vitrine::ingest

@@ -10,9 +10,10 @@
 //   pixel = f (u + d_u, v + d_v) + c
 // (COLMAP, src/colmap/sensor/models.h)
 #include <cmath>
+#include <numbers>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/colmap_lens.h"
 
 namespace vitrine {
 
@@ -107,19 +108,22 @@ Lens lens_of(const ColmapCamera& camera) {
   }
 }
 
-// Direction with the length that the lens gives it before the polynomial; the inverse is empty from 90 degrees on.
-Vec2d bent(const Lens& lens, const Vec2d& d) {
-  const double r = std::hypot(d.x, d.y);
-  if (lens.bend == Bend::None || r == 0) return d;
-  const double to = lens.bend == Bend::Fisheye ? std::atan(r) : std::atan(2 * r * std::tan(0.5 * lens.omega)) / lens.omega;
-  return (to / r) * d;
+// Direction with the length that the lens gives it before the polynomial. `ray`: of any length; without a bend z > 0.
+Vec2d bent(const Lens& lens, const Vec3d& ray) {
+  if (lens.bend == Bend::None) return {ray.x / ray.z, ray.y / ray.z};
+  const double r = std::hypot(ray.x, ray.y);
+  if (r == 0) return {0, 0};
+  const double to =
+      lens.bend == Bend::Fisheye ? std::atan2(r, ray.z) : std::atan2(2 * r * std::tan(0.5 * lens.omega), ray.z) / lens.omega;
+  return (to / r) * Vec2d{ray.x, ray.y};
 }
-std::optional<Vec2d> straightened(const Lens& lens, const Vec2d& d) {
+// Inverse of bent(): a direction of any length; empty from 180 degrees on.
+std::optional<Vec3d> straightened(const Lens& lens, const Vec2d& d) {
   const double r = std::hypot(d.x, d.y), angle = lens.bend == Bend::Fov ? r * lens.omega : r;
-  if (lens.bend == Bend::None || r == 0) return d;
-  if (!(std::abs(angle) < kWidestAngle)) return std::nullopt;
-  const double from = lens.bend == Bend::Fisheye ? std::tan(angle) : std::tan(angle) / (2 * std::tan(0.5 * lens.omega));
-  return (from / r) * d;
+  if (lens.bend == Bend::None || r == 0) return Vec3d{d.x, d.y, 1};
+  if (!(std::abs(angle) < std::numbers::pi)) return std::nullopt;
+  const double across = lens.bend == Bend::Fisheye ? std::sin(angle) : std::sin(angle) / (2 * std::tan(0.5 * lens.omega));
+  return Vec3d{across / r * d.x, across / r * d.y, std::cos(angle)};
 }
 
 // Distorted direction, and its Jacobian (row-major 2x2) if requested.
@@ -144,13 +148,21 @@ Vec2d distorted(const Lens& lens, const Vec2d& d, double* jacobian) {
 
 }  // namespace
 
-Vec2d project(const ColmapCamera& camera, const Vec2d& direction) {
+Vec2d project(const ColmapCamera& camera, const Vec2d& direction) { return project_ray(camera, {direction.x, direction.y, 1}); }
+
+Vec2d project_ray(const ColmapCamera& camera, const Vec3d& ray) {
   const Lens lens = lens_of(camera);
-  const Vec2d d = distorted(lens, bent(lens, direction), nullptr);
+  const Vec2d d = distorted(lens, bent(lens, ray), nullptr);
   return {lens.fx * d.x + lens.cx, lens.fy * d.y + lens.cy};
 }
 
 std::optional<Vec2d> unproject(const ColmapCamera& camera, const Vec2d& pixel) {
+  const std::optional<Vec3d> ray = ray_of_pixel(camera, pixel);
+  if (!ray || (is_fisheye(camera.model_id) && !(ray->z > std::cos(kWidestAngle) * length(*ray)))) return std::nullopt;
+  return Vec2d{ray->x / ray->z, ray->y / ray->z};
+}
+
+std::optional<Vec3d> ray_of_pixel(const ColmapCamera& camera, const Vec2d& pixel) {
   const Lens lens = lens_of(camera);
   const Vec2d target{(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
   Vec2d d = target;

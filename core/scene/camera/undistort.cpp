@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
 #include "core/scene/camera/colmap_lens.h"
+#include "core/scene/camera/projection.h"
 #include "core/scene/image/resample.h"
 
 namespace vitrine {
@@ -92,6 +94,14 @@ ImageF undistorted(const ImageF& linear, const Undistortion& u) {
                 "picture {} x {} for a camera of {} x {}", linear.width(), linear.height(), u.source.width, u.source.height);
   if (u.identity) return linear;
   ImageF out(u.target.width, u.target.height, linear.channels());
+  if (u.rotation) {
+    parallel_for(size_t(out.height()), 16, [&](size_t y) {
+      for (int x = 0; x < out.width(); ++x)
+        if (const std::optional<Vec2d> from = seen_pixel(u, {x + 0.5, double(y) + 0.5}))
+          sample_bicubic(linear, from->x, from->y, out.pixel(x, int(y)));
+    });
+    return out;
+  }
   for (int y = 0; y < out.height(); ++y)
     for (int x = 0; x < out.width(); ++x) {
       const Vec3d ray = u.target.ray(x + 0.5, y + 0.5);
@@ -103,9 +113,30 @@ ImageF undistorted(const ImageF& linear, const Undistortion& u) {
 
 std::optional<Vec2d> undistorted(const Vec2d& pixel, const Undistortion& u) {
   if (u.identity) return pixel;
+  if (u.rotation) {
+    constexpr double kInFront = 0.05;  // of a unit direction: its part along the axis of the view
+    const std::optional<Vec3d> ray = ray_of_pixel(u.source, pixel);
+    if (!ray) return std::nullopt;
+    const Vec3d in_view = *u.rotation * normalized(*ray);
+    if (!(in_view.z > kInFront)) return std::nullopt;
+    const ImagePoint at = projected(in_view, u.target);
+    return Vec2d{at.x, at.y};
+  }
   const std::optional<Vec2d> d = unproject(u.source, pixel);
   if (!d) return std::nullopt;
   return Vec2d{d->x * u.target.fx + u.target.cx, d->y * u.target.fy + u.target.cy};
+}
+
+std::optional<Vec2d> seen_pixel(const Undistortion& u, const Vec2d& pixel) {
+  constexpr double kSame = 1e-9;  // 1 - cosine of the angle between a direction and that of its pixel
+  const Vec3d ray = normalized(transposed_times(u.rotation.value_or(Mat3d::identity()), u.target.ray(pixel.x, pixel.y)));
+  const Vec2d at = project_ray(u.source, ray);
+  if (!(at.x >= 0 && at.y >= 0 && at.x <= double(u.source.width) && at.y <= double(u.source.height))) return std::nullopt;
+  const Intrinsics k = pinhole_part(u.source);
+  if (u.circle_px > 0 && std::hypot(at.x - k.cx, at.y - k.cy) > u.circle_px) return std::nullopt;
+  const std::optional<Vec3d> back = ray_of_pixel(u.source, at);
+  if (!back || dot(normalized(*back), ray) < 1 - kSame) return std::nullopt;
+  return at;
 }
 
 }  // namespace vitrine
