@@ -32,19 +32,25 @@ class Lookup {
   const JsonAt& frame_;
 };
 
-void refuse_other_lenses(const Lookup& in) {
-  if (const auto fisheye = in.find("is_fisheye"); fisheye && fisheye->value().is_boolean() && fisheye->value().get<bool>())
-    fisheye->fail("the camera model is fisheye; supported here are PINHOLE and OPENCV (k1, k2, p1, p2): give the COLMAP model of these cameras "
-                  "(sparse/0), whose fisheye models are read, or undistort the photos first");
+// True for OPENCV_FISHEYE (nerfstudio), or is_fisheye (instant-ngp). Refuses other lenses.
+bool fisheye_lens(const Lookup& in) {
+  bool fisheye = false;
+  if (const auto flag = in.find("is_fisheye"); flag && flag->value().is_boolean()) fisheye = flag->value().get<bool>();
   if (const auto model = in.find("camera_model")) {
     const std::string name = model->text();
-    if (name != "OPENCV" && name != "PINHOLE" && name != "SIMPLE_PINHOLE" && name != "SIMPLE_RADIAL" && name != "RADIAL")
+    fisheye |= name == "OPENCV_FISHEYE";
+    if (name != "OPENCV_FISHEYE" && name != "OPENCV" && name != "PINHOLE" && name != "SIMPLE_PINHOLE" && name != "SIMPLE_RADIAL" &&
+        name != "RADIAL")
       model->fail("the camera model is " + name.substr(0, 40) +
-                  "; supported are PINHOLE and OPENCV (k1, k2, p1, p2): undistort the photos first");
+                  "; supported are PINHOLE, OPENCV (k1, k2, p1, p2) and OPENCV_FISHEYE (k1 to k4): undistort the photos first");
   }
   for (const char* key : {"k3", "k4"})
-    if (const auto k = in.find(key); k && k->number() != 0)
+    if (const auto k = in.find(key); k && !fisheye && k->number() != 0)
       k->fail("it is not zero; supported are k1, k2, p1 and p2: undistort the photos first");
+  for (const char* key : {"p1", "p2"})
+    if (const auto p = in.find(key); p && fisheye && p->number() != 0)
+      p->fail("it is not zero; fisheye lenses have k1 to k4 here: undistort the photos first");
+  return fisheye;
 }
 
 int whole_side(const JsonAt& j) {
@@ -54,8 +60,8 @@ int whole_side(const JsonAt& j) {
 }
 
 StatedCamera stated_camera(const Lookup& in) {
-  refuse_other_lenses(in);
   StatedCamera c;
+  c.fisheye = fisheye_lens(in);
   const auto w = in.find("w"), h = in.find("h");
   if (w && h) c.size = {whole_side(*w), whole_side(*h)};
   const auto angle = [&](const char* key) -> std::optional<double> {
@@ -76,6 +82,7 @@ StatedCamera stated_camera(const Lookup& in) {
   c.angle_x = angle("camera_angle_x"), c.angle_y = angle("camera_angle_y");
   c.cx = in.number("cx"), c.cy = in.number("cy");
   c.k1 = in.number("k1", 0), c.k2 = in.number("k2", 0), c.p1 = in.number("p1", 0), c.p2 = in.number("p2", 0);
+  c.k3 = in.number("k3", 0), c.k4 = in.number("k4", 0);
   return c;
 }
 
@@ -119,8 +126,8 @@ TransformsFile transforms_of(const JsonAt& top) {
 ColmapCamera StatedCamera::camera(PictureSize picture, std::optional<double> focal) const {
   if (size) picture = *size;
   VITRINE_CHECK(picture.width > 0 && picture.height > 0, "a camera without a size");
-  const auto from_angle = [](std::optional<double> angle, int side) {
-    return angle ? std::optional(0.5 * side / std::tan(0.5 * *angle)) : std::nullopt;
+  const auto from_angle = [&](std::optional<double> angle, int side) {
+    return angle ? std::optional(0.5 * side / (fisheye ? 0.5 * *angle : std::tan(0.5 * *angle))) : std::nullopt;
   };
   auto x = fx ? fx : from_angle(angle_x, picture.width), y = fy ? fy : from_angle(angle_y, picture.height);
   if (!x) x = y ? y : focal;
@@ -130,7 +137,10 @@ ColmapCamera StatedCamera::camera(PictureSize picture, std::optional<double> foc
   out.width = static_cast<uint64_t>(picture.width);
   out.height = static_cast<uint64_t>(picture.height);
   out.params = {*x, *y, cx.value_or(0.5 * picture.width), cy.value_or(0.5 * picture.height)};
-  if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
+  if (fisheye) {
+    out.model_id = colmap_camera_type("OPENCV_FISHEYE")->id;
+    out.params.insert(out.params.end(), {k1, k2, k3, k4});
+  } else if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
     out.model_id = colmap_camera_type("OPENCV")->id;
     out.params.insert(out.params.end(), {k1, k2, p1, p2});
   }

@@ -25,9 +25,11 @@ struct StatedCamera {
   std::optional<PictureSize> size;
   std::optional<double> fx, fy, cx, cy, angle_x, angle_y;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
+  bool fisheye = false;  // OPENCV_FISHEYE: k1 to k4 are those of the angle from the axis, and p1, p2 are 0
+  double k3 = 0, k4 = 0;
 
   bool has_focal_length() const { return fx || fy || angle_x || angle_y; }
-  // PINHOLE or OPENCV, id 0. `size` and `focal` are used if the file does not state them. Both must be known.
+  // PINHOLE, OPENCV or OPENCV_FISHEYE, id 0. `size` and `focal` are used if the file does not state them. Both must be known.
   ColmapCamera camera(PictureSize size, std::optional<double> focal = {}) const;
 };
 

@@ -173,7 +173,9 @@ TEST(TransformsJson, RefusesWhatItCannotHonour) {
   const std::string k = R"("fl_x": 100, "w": 40, "h": 20, )";
   const std::string pose = R"(, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,5],[0,0,0,1]])";
   EXPECT_EQ(refused(k, pose), "");
-  EXPECT_NE(refused(k + R"("camera_model": "OPENCV_FISHEYE", )", pose).find("OPENCV_FISHEYE"), std::string::npos);
+  EXPECT_NE(refused(k + R"("camera_model": "OPENCV_FISHEYE", )", pose).find("lens distortion"), std::string::npos);
+  EXPECT_NE(refused(k + R"("camera_model": "FISHEYE624", )", pose).find("FISHEYE624"), std::string::npos);
+  EXPECT_NE(refused(k + R"("is_fisheye": true, "p1": 0.1, )", pose).find("k1 to k4"), std::string::npos);
   EXPECT_NE(refused(k + R"("k3": 0.1, )", pose), "");
   EXPECT_NE(refused(R"("w": 40, "h": 20, )", pose).find("fl_x"), std::string::npos);
   EXPECT_NE(refused(k, "").find("transform_matrix"), std::string::npos);
@@ -185,6 +187,20 @@ TEST(TransformsJson, RefusesWhatItCannotHonour) {
   EXPECT_NE(refused("\"w\": \"wide\", ", pose), "");
   const std::string by_columns = R"(, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0.5,0,5,1]])";
   EXPECT_NE(refused(k, by_columns).find("transposed (stored by columns)"), std::string::npos);
+}
+
+TEST(TransformsJson, FisheyeLensesAreThoseOfOpenCv) {
+  TemporaryFolder folder;
+  const std::string frame =
+      R"("frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,5],[0,0,0,1]]}]})";
+  const std::string k =
+      R"({"fl_x": 100, "fl_y": 101, "w": 40, "h": 20, "cx": 21, "cy": 9, "k1": 0.1, "k2": -0.02, "k3": 0.003, "k4": 1e-4, )";
+  for (const std::string named : {R"("camera_model": "OPENCV_FISHEYE", )", R"("is_fisheye": true, )"}) {
+    write_file(folder.path() / "t.json", k + named + frame);
+    const ColmapCamera camera = read_transforms_file(folder.path() / "t.json").frames.at(0).camera.camera({40, 20});
+    EXPECT_EQ(camera.model_id, colmap_camera_type("OPENCV_FISHEYE")->id);
+    EXPECT_EQ(camera.params, (std::vector<double>{100, 101, 21, 9, 0.1, -0.02, 0.003, 1e-4}));
+  }
 }
 
 TEST(TransformsJson, TruncatedAndFlippedFilesAreErrors) {
