@@ -1,6 +1,7 @@
 #include "stages/masks/masks.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/json.h"
@@ -25,19 +26,17 @@ Shape shape_of(const ImageF& mask, const Undistortion& u, MaskFrame frame) {
   return same_shape(w, h, photo_h, photo_w) ? Shape::Turned : Shape::Wrong;
 }
 
-PhotoMasks checked(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
-                   MaskFrame frame) {
+PhotoMasks checked(const MaskCapture& capture, const MaskedPhotos& photos, const MaskFolder& folder, MaskClass kind,
+                   const MaskClassConfig& config, MaskFrame frame) {
   const std::string class_name(name(kind));
-  std::vector<std::string> photos;
-  for (const View& view : capture.set.views) photos.push_back(view.name);
   return PhotoMasks({.folder = folder,
                      .kind = kind,
-                     .photos = photos,
+                     .photos = photos.names,
                      .polarity = config.polarity,
                      .polarity_option = fmt::format("masks.{}.polarity", class_name),
                      .off_setting = fmt::format("masks.{}.source=none", class_name),
-                     .usable = [&](size_t view, const MaskFile& file, const ImageF& mask) {
-                       const Undistortion& u = capture.undistortions[view];
+                     .usable = [&](size_t photo, const MaskFile& file, const ImageF& mask) {
+                       const Undistortion& u = capture.undistortions[photos.first_view[photo]];
                        const Shape shape = shape_of(mask, u, frame);
                        const bool straight = frame == MaskFrame::Undistorted;
                        if (shape == Shape::Turned || shape == Shape::Wrong)
@@ -53,13 +52,28 @@ void clamp(ImageF& image) {
 
 }  // namespace
 
+MaskedPhotos::MaskedPhotos(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind) {
+  std::map<std::string, size_t> index;
+  for (size_t v = 0; v < capture.set.views.size(); ++v) {
+    const std::string& view = capture.set.views[v].name;
+    const bool of_photo = !capture.photos.empty() && capture.photos[v] != view && !folder.find(kind, view);
+    const std::string& photo = of_photo ? capture.photos[v] : view;
+    const auto [at, is_new] = index.try_emplace(photo, names.size());
+    if (is_new) names.push_back(photo), first_view.push_back(v);
+    of_view.push_back(at->second);
+  }
+}
+
 FileSource::FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
                        MaskFrame frame)
-    : capture_(capture), frame_(frame), masks_(checked(capture, folder, kind, config, frame)) {}
+    : capture_(capture),
+      frame_(frame),
+      photos_(capture, folder, kind),
+      masks_(checked(capture, photos_, folder, kind, config, frame)) {}
 
 std::optional<SoftMask> FileSource::at(size_t view) const {
-  if (!masks_.file(view)) return std::nullopt;
-  ImageF mask = masks_.at(view);
+  if (!masks_.file(photos_.of_view[view])) return std::nullopt;
+  ImageF mask = masks_.at(photos_.of_view[view]);
   const Undistortion& u = capture_.undistortions[view];
   if (shape_of(mask, u, frame_) == Shape::Undistorted) {
     mask = resized(mask, u.target.width, u.target.height);

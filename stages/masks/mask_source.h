@@ -21,6 +21,7 @@ struct MaskCapture {
   std::filesystem::path sfm_folder;
   ViewSet set;
   std::vector<Undistortion> undistortions;       // [view] from the original photo to the undistorted one
+  std::vector<std::string> photos = {};          // [view] the photo that it is cut from, else itself; empty: none is cut
   std::vector<std::string> without_camera = {};  // photos without a pose
   bool camera_flash = false;                     // the light moves with the camera (PhotoLenses)
   bool cut_out = false;                          // the photos may have no background (PhotoLenses)

@@ -11,6 +11,7 @@
 #include "core/intake/masks/mask_files.h"
 #include "core/intake/poses/photo_orientation.h"
 #include "stages/masks/outputs.h"
+#include "stages/masks/unseen_source.h"
 #include "stages/training_cost.h"
 
 namespace vitrine {
@@ -49,7 +50,7 @@ std::unique_ptr<FileSource> file_source(MaskClass kind, const MasksConfig& confi
                 {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-masks)", .code = "MASKS_MISSING"});
   auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
   for (const Note& note : source->notes()) context.warning(note.code, note.text);
-  const size_t views = capture.set.views.size();
+  const size_t views = source->masks().photo_count();
   if (source->masks().everything()) report_all_white(kind, config, source->masks(), context);
   if (source->matched() < views && !source->masks().nothing())
     context.warning("MASKS_INCOMPLETE",
@@ -120,6 +121,7 @@ MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder) {
   MaskCapture capture{.sfm_folder = sfm_folder, .set = load_view_set(sfm_folder), .undistortions = {}};
   PhotoLenses lenses = read_photo_lenses(sfm_folder, capture.set);
   capture.undistortions = std::move(lenses.undistortions);
+  capture.photos = std::move(lenses.photos);
   capture.without_camera = std::move(lenses.without_camera);
   capture.camera_flash = lenses.camera_flash;
   capture.cut_out = lenses.cut_out;
@@ -171,6 +173,7 @@ GivenMasks given_masks(const MasksConfig& config, const MaskCapture& capture, St
   } else if (path) {
     std::vector<std::string> photos = capture.without_camera;
     for (const View& view : capture.set.views) photos.push_back(view.name);
+    for (const std::string& photo : capture.photos) photos.push_back(photo);  // that views are cut from
     given.folder.emplace(*path, config.flat, photos);
     for (const Note& note : given.folder->notes()) context.warning(note.code, note.text);
     size_t files = 0;
@@ -259,13 +262,14 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     }
     sources[size_t(kind)] = std::make_unique<ProposedSource>(proposal, kind);
   }
+  add_unseen_pixels(capture, sources[size_t(MaskClass::Ignore)]);
   write_results({.capture = capture, .sources = sources, .output = context.output()}, carried.get(), context);
 }
 
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 18,
+      .version = 19,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                  {.name = "masks",

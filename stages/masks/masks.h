@@ -38,6 +38,15 @@ void run_masks(const MasksConfig& config, StageContext& context);
 Stage masks_stage();
 StageCost masks_cost(const CostTerms& terms);
 
+// What files are matched to: the photos, and instead of views that are cut from one photo that photo, unless a file is named
+// after the view.
+struct MaskedPhotos {
+  MaskedPhotos(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind);
+  std::vector<std::string> names;
+  std::vector<size_t> first_view;  // [photo]
+  std::vector<size_t> of_view;     // [view] its photo
+};
+
 // Masks from the user's files: photo coordinates, resampled to the undistorted photos.
 
 class FileSource final : public MaskSource {
@@ -57,6 +66,7 @@ class FileSource final : public MaskSource {
  private:
   const MaskCapture& capture_;
   MaskFrame frame_;
+  MaskedPhotos photos_;
   PhotoMasks masks_;
 };
 

@@ -27,9 +27,10 @@ constexpr int kJpegQuality = 97;  // of undistorted photos with JPEG names
 
 bool is_png(const std::string& name) { return lower_extension(name) == ".png"; }
 
-void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion& u) {
+// `taken`: as it was ingested, `photo` or what it is cut from.
+void write_one(const PicturesDesc& desc, const Photo& photo, const Photo& taken, const Undistortion& u) {
   const fs::path linear_to = desc.output / "linear" / (photo.stem + ".exr"), ldr_to = desc.output / "images" / photo.name;
-  const fs::path linear_from = ingested_linear_path(desc.ingest, photo), ldr_from = ingested_ldr_path(desc.ingest, photo);
+  const fs::path linear_from = ingested_linear_path(desc.ingest, taken), ldr_from = ingested_ldr_path(desc.ingest, taken);
   make_folders(linear_to.parent_path());
   make_folders(ldr_to.parent_path());
   if (u.identity) {
@@ -129,6 +130,10 @@ ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion
     const auto camera =
         std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) { return c.id == image.camera_id; });
     const Undistortion& u = per_camera[static_cast<size_t>(camera - model.cameras.begin())];
+    if (u.rotation) {
+      const Rigid turned = Rigid{*u.rotation, {}} * image.cam_from_world();
+      image.rotation = quaternion(turned.rotation), image.translation = turned.translation;
+    }
     for (ColmapPoint2D& p : image.points) {
       if (p.point3d_id == kNoPoint3D) continue;
       const std::optional<Vec2d> moved = undistorted({p.x, p.y}, u);
@@ -144,16 +149,18 @@ ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion
 }
 
 void write_pictures(const PicturesDesc& desc) {
+  const CutPhotos& cut = *desc.photos;
   std::map<std::string, const Photo*> photo_of;
-  for (const Photo& p : desc.photos) photo_of[p.name] = &p;
+  for (const Photo& p : cut.photos) photo_of[p.name] = &p;
   std::map<uint32_t, const Undistortion*> undistortion_of;
-  for (size_t c = 0; c < desc.undistortions.size(); ++c) undistortion_of[desc.model->cameras[c].id] = &desc.undistortions[c];
+  for (size_t c = 0; c < cut.undistortions.size(); ++c) undistortion_of[cut.model.cameras[c].id] = &cut.undistortions[c];
   size_t done = 0;
   std::mutex reporting;
-  parallel_for(desc.model->images.size(), 1, [&](size_t i) {
+  parallel_for(cut.model.images.size(), 1, [&](size_t i) {
     throw_if_interrupted();
-    const ColmapImage& image = desc.model->images[i];
-    write_one(desc, *photo_of.at(image.name), *undistortion_of.at(image.camera_id));
+    const ColmapImage& image = cut.model.images[i];
+    const Photo& photo = *photo_of.at(image.name);
+    write_one(desc, photo, cut.photo_of(photo), *undistortion_of.at(image.camera_id));
     const std::lock_guard lock(reporting);
     ++done;
     if (desc.progress) desc.progress(done);
@@ -254,10 +261,15 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
 void write_lenses(const fs::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
                   const Reconstruction& r, std::span<const Photo> photos) {
   nlohmann::json j{{"cameras", nlohmann::json::array()}, {"without_camera", nlohmann::json::array()}};
-  for (size_t c = 0; c < undistortions.size(); ++c)
-    j["cameras"].push_back({{"photographed", camera_json(undistortions[c].source)},
-                            {"undistorted", camera_json(model.cameras[c])},
-                            {"resampled", !undistortions[c].identity}});
+  for (size_t c = 0; c < undistortions.size(); ++c) {
+    const Undistortion& u = undistortions[c];
+    nlohmann::json& row = j["cameras"].emplace_back(nlohmann::json{
+        {"photographed", camera_json(u.source)}, {"undistorted", camera_json(model.cameras[c])}, {"resampled", !u.identity}});
+    if (!u.rotation) continue;
+    const Quatd q = quaternion(*u.rotation);
+    row["view_from_photo"] = {q.w, q.x, q.y, q.z};
+    row["circle_px"] = u.circle_px;
+  }
   for (const PhotoReport& p : r.photos)
     if (!p.registered) j["without_camera"].push_back(p.name);
   if (2 * std::ranges::count_if(photos, &Photo::flash) > std::ptrdiff_t(photos.size())) j["camera_flash"] = true;

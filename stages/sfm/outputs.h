@@ -12,18 +12,18 @@
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/reconstruct.h"
+#include "stages/sfm/wide_photos.h"
 
 namespace vitrine {
 
 struct PicturesDesc {
   std::filesystem::path ingest, output;
-  std::span<const Photo> photos;                // of the capture
-  const ColmapModel* model = nullptr;           // before undistortion: photos and their cameras
-  std::span<const Undistortion> undistortions;  // per camera of the model
+  const CutPhotos* photos = nullptr;
   std::function<void(size_t done)> progress;
 };
 
-// The model without lens distortion. Cameras become PINHOLE and observations are undistorted. Removes 2D points without a 3D
+// The model without lens distortion. Cameras become PINHOLE, views of cut photos get their rotation, and observations are
+// undistorted. Removes 2D points without a 3D
 // point, and points seen less than twice.
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/log.h"
@@ -15,19 +14,19 @@
 #include "core/intake/poses/named_poses.h"
 #include "core/intake/poses/pose_check.h"
 #include "core/intake/poses/pose_files.h"
+#include "core/scene/camera/colmap_lens.h"
 #include "core/scene/camera/holdout.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
-#include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/focal_search.h"
-#include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/gps_frame.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
+#include "stages/sfm/photo_gains.h"
 #include "stages/sfm/rigs.h"
 #include "stages/sfm/work_folder.h"
 #include "stages/sfm/zoom_groups.h"
@@ -179,7 +178,8 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
       return std::move(checked.model);
     };
     s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
-    if (!given && !has_rigs(list)) s.focals = cameras_by_focal(colmap, config, desc, s.reconstruction);
+    if (!given && !has_rigs(list) && !is_fisheye(colmap_camera_type(config.camera_model)->id))
+      s.focals = cameras_by_focal(colmap, config, desc, s.reconstruction);
     report_focals(s.focals, context);
     const std::optional<MaskEffect>& effect = s.reconstruction.masks;
     if (!given && !(effect && effect->object_applied) && config.turntable != Turntable::No)
@@ -227,36 +227,6 @@ void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, S
                                 named, far, solved));
 }
 
-// Exposure and white balance of each photo, from the colours of the tracks in the undistorted photos.
-Gains photo_gains(const ColmapModel& model, const std::vector<Photo>& photos, const fs::path& output, StageContext& context) {
-  const std::vector<GainSample> samples = track_samples(model, [&](const ColmapImage& image) {
-    return read_exr_rgb(output / "linear" / fs::path(image.name).replace_extension(".exr"));
-  });
-  std::vector<std::optional<double>> log_exposures;
-  for (const ColmapImage& image : model.images) {
-    const auto photo = std::find_if(photos.begin(), photos.end(), [&](const Photo& p) { return p.name == image.name; });
-    const bool known = photo != photos.end() && photo->exposure_ev;
-    log_exposures.push_back(known ? std::optional(-std::numbers::ln2 * *photo->exposure_ev) : std::nullopt);
-  }
-  const GainSolution solution = solve_gains(model.images.size(), model.points.size(), samples, {}, log_exposures);
-  Gains gains;
-  double low = 1, high = 1;
-  for (size_t v = 0; v < model.images.size(); ++v) {
-    const Vec3d& gain = gains[model.images[v].name] = solution.gains[v];
-    low = std::min({low, gain.x, gain.y, gain.z});
-    high = std::max({high, gain.x, gain.y, gain.z});
-  }
-  for (uint32_t v : solution.undetermined)
-    context.warning(
-        "SFM_GAIN_UNKNOWN",
-        fmt::format("{}: too few track colours to tell its exposure: it is that of EXIF, or the average", model.images[v].name));
-  if (solution.fixed_exposure) log_info("sfm: the photos agree in exposure and white balance: all gains are 1");
-  context.metric("gain_lowest", low);
-  context.metric("gain_highest", high);
-  context.metric("gain_spread", solution.spread);
-  return gains;
-}
-
 void report_gps(const std::optional<GpsFit>& gps, StageContext& context) {
   if (!gps) return;
   log_info("sfm: {}", gps_text(*gps));
@@ -292,24 +262,21 @@ void run(const SfmConfig& config, StageContext& context) {
   if (!context.optional_input("poses")) compare_focal(photos, r.model, context);
   FilterCounts counts;
   const ColmapModel kept = filtered(r.model, counts);
-  std::vector<Undistortion> undistortions;
-  for (const ColmapCamera& camera : kept.cameras) undistortions.push_back(undistortion(camera));
+  const CutPhotos cut = cut_photos(kept, photos, ingest);
+  const std::vector<Undistortion>& undistortions = cut.undistortions;
+  report_cut_photos(cut, context);
+  const size_t pictures = cut.model.images.size();
   Timer timer;
-  write_pictures({.ingest = ingest,
-                  .output = output,
-                  .photos = photos,
-                  .model = &kept,
-                  .undistortions = undistortions,
-                  .progress = [&](size_t done) {
-                    context.progress(
-                        {.fraction = kReconstructShare + (1 - kReconstructShare) * double(done) / double(kept.images.size()),
-                         .text = fmt::format("undistorted {}/{}", done, kept.images.size()),
-                         .values = {}});
+  write_pictures({.ingest = ingest, .output = output, .photos = &cut, .progress = [&](size_t done) {
+                    context.progress({.fraction = kReconstructShare + (1 - kReconstructShare) * double(done) / double(pictures),
+                                      .text = fmt::format("undistorted {}/{}", done, pictures),
+                                      .values = {}});
                   }});
   context.timing("undistort", timer.seconds());
-  ColmapModel model = undistorted(kept, undistortions);
-  // With several passes, use one: each pass has another side of the object up.
-  const ColmapModel still = s.passes.joined() ? restricted(model, s.passes.passes[0]) : model;
+  ColmapModel model = undistorted(cut.model, undistortions);
+  // Views of a cut photo are not level, and have one place. With several passes, use one: each has another side of the object up.
+  const ColmapModel& whole = cut.cut > 0 ? kept : model;
+  const ColmapModel still = s.passes.joined() ? restricted(whole, s.passes.passes[0]) : whole;
   Orientation orientation = scene_up(still, config.up);
   std::optional<GpsFit> gps =
       fitted_gps(gps_sightings(still, photos), {.orientation = orientation,
@@ -333,12 +300,12 @@ void run(const SfmConfig& config, StageContext& context) {
   write_scene_info(output / "scene.json", scene);
   timer.restart();
   if (!r.pairs.empty()) write_match_matrix(output / "sfm" / "evidence" / "matches.png", r);
-  write_gains(output / "sfm" / "gains.json", photo_gains(model, photos, output, context));
+  write_gains(output / "sfm" / "gains.json", photo_gains(model, cut.photos, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
   if (scene.geo) add_geo_origin(output / "transforms.json", *scene.geo);
   Rigs rigs;
-  for (const Photo& p : photos)
+  for (const Photo& p : cut.photos)
     if (p.rig && std::ranges::any_of(model.images, [&](const ColmapImage& image) { return image.name == p.name; }))
       rigs[p.name] = p.rig->panorama;
   if (!rigs.empty()) write_rigs(output, rigs);
@@ -358,11 +325,12 @@ void run(const SfmConfig& config, StageContext& context) {
     observations += double(p.track.size());
   }
   context.metric("photos", double(photos.size()));
-  context.metric("registered", double(model.images.size()));
+  context.metric("registered", double(kept.images.size()));
   context.metric("points", double(model.points.size()));
   if (observations > 0) context.metric("reprojection_px", error / observations);
   // Without points there is no reprojection error to report.
-  context.summary(fmt::format("registered {}/{}, {} points{}{}", model.images.size(), photos.size(), model.points.size(),
+  context.summary(fmt::format("registered {}/{}{}, {} points{}{}", kept.images.size(), photos.size(),
+                              cut.cut > 0 ? fmt::format(" (cut into {} views)", pictures) : "", model.points.size(),
                               observations > 0 ? fmt::format(", {:.2f} px", error / observations) : "",
                               s.passes.joined() ? ", " + passes_text(s.passes.passes) : ""));
 }
@@ -371,7 +339,7 @@ void run(const SfmConfig& config, StageContext& context) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 12,
+                 .version = 13,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

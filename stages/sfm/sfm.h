@@ -2,7 +2,8 @@
 //   reads   ingest (photos.json, linear EXRs, 8-bit copies); optionally given poses, and the user's masks
 //   writes  images/ linear/ sparse/0 transforms.json scene.json sfm/gains.json sfm/lenses.json sfm/report.json
 //   sfm/evidence/matches.png
-//           sfm/passes.json where an object was moved between passes of photos; sfm/rigs.json with panoramas
+//           sfm/passes.json where an object was moved between passes of photos; sfm/rigs.json with panoramas and cut fisheye
+//           photos
 #pragma once
 
 #include <string>

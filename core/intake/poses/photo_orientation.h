@@ -42,6 +42,7 @@ Vec3d mirrored_world(const Vec3d& place);
 // undistorted cameras, and masks of the cameras back to the photos.
 struct PhotoLenses {
   std::vector<Undistortion> undistortions;  // [view] from the ingested original photo to the undistorted one
+  std::vector<std::string> photos;          // [view] name of the photo that it is cut from; that of the view if it is not cut
   std::vector<std::string> without_camera;  // photos without a pose
   bool camera_flash = false;                // the flash of the camera fired in most photos (EXIF)
   bool cut_out = false;                     // most photos have an alpha channel: outside it they may show nothing

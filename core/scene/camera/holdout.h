@@ -13,7 +13,7 @@
 
 namespace vitrine {
 
-using Rigs = std::map<std::string, std::string>;  // view name -> its panorama
+using Rigs = std::map<std::string, std::string>;  // view name -> its panorama, or the fisheye photo that it is cut from
 
 // Empty without the file. Throws Error{Input} if it is damaged.
 Rigs read_rigs(const std::filesystem::path& sfm_folder);
