@@ -6,6 +6,7 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/config/cli.h"
+#include "sample_data/generate/fisheyes.h"
 #include "sample_data/generate/panoramas.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
@@ -26,8 +27,9 @@ int main(int argc, char** argv) {
   cli.value("spp", 0, "N", desc.samples, 1, "Samples of a pixel; the scene's own number when not given.");
   cli.value("views", 0, "N", views, 1, "Only the first N views.");
   cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
-  cli.value("camera", 0, "pinhole|equirect", camera,
-            "equirect: 360-degree panoramas at the places of the views; --size WxH is 2:1.");
+  cli.value("camera", 0, "pinhole|equirect|fisheye", camera,
+            "At the places of the views, equirect: 360-degree panoramas, --size WxH is 2:1; fisheye: photos of 180 degrees, with "
+            "poses in poses/.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
   cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
   cli.value("medium", 0, "coastal|deep|green|haze", medium,
@@ -67,6 +69,10 @@ int main(int argc, char** argv) {
         throw Error(ErrorKind::Usage, "panoramas are twice as wide as high",
                     {.where = size, .hint = "for example --size 1024x512", .code = "USAGE"});
       replace_by_panoramas(scene, size.empty() ? 0 : k.width);
+    }
+    if (camera_kind(camera) == CameraKind::Fisheye) {
+      const Intrinsics k = scene.views.front().intrinsics;
+      replace_by_fisheyes(scene, k.width, k.height);
     }
     generate::generate(scene, folder, desc);
   } catch (const Error& error) {

@@ -15,7 +15,8 @@ namespace vitrine::generate {
 CameraKind camera_kind(const std::string& word) {
   if (word.empty() || word == "pinhole") return CameraKind::Pinhole;
   if (word == "equirect") return CameraKind::Equirect;
-  throw Error(ErrorKind::Usage, "--camera takes pinhole or equirect", {.where = word, .code = "USAGE"});
+  if (word == "fisheye") return CameraKind::Fisheye;
+  throw Error(ErrorKind::Usage, "--camera takes pinhole, equirect or fisheye", {.where = word, .code = "USAGE"});
 }
 
 void replace_by_panoramas(Scene& scene, int width) {

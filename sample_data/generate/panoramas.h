@@ -6,8 +6,8 @@
 
 namespace vitrine::generate {
 
-enum class CameraKind { Pinhole, Equirect };
-// "pinhole", "equirect"; throws Error{Usage} for other words.
+enum class CameraKind { Pinhole, Equirect, Fisheye };
+// "pinhole", "equirect", "fisheye"; throws Error{Usage} for other words.
 CameraKind camera_kind(const std::string& word);
 
 // Every view becomes a panorama of `width` x `width` / 2 pixels at its place, level and turned to its side; the views of the

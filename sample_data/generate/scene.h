@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/camera/view.h"
+#include "core/scene/camera/colmap_model.h"
 #include "sample_data/generate/environment.h"
 #include "sample_data/generate/material.h"
 #include "sample_data/generate/medium.h"
@@ -47,7 +47,7 @@ struct CacheDesc {
   int passes = 3;                                      // diffuse bounces
 };
 
-// A picture of all directions (core/scene/camera/equirect.h).
+// A picture of all directions (core/scene/camera/equirect.h), or a fisheye photo.
 struct Panorama {
   std::string name;
   Rigid cam_from_world;
@@ -64,6 +64,7 @@ struct Scene {
   std::vector<View> views;               // names are file names of photos/
   std::vector<Panorama> panoramas;       // not empty: the photos, from which `views` are cut (panoramas.h)
   int panorama_width = 0;
+  std::optional<ColmapCamera> fisheye;   // lens of the panoramas: they are fisheye photos (fisheyes.h)
   std::vector<Vec3f> probes;             // points of the scene from which the sampling of the environment is planned
   SensorDesc sensor;
   int samples = 64;                                  // per pixel of a photo; a power of two suits the sampler

@@ -15,6 +15,7 @@
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
+#include "sample_data/generate/fisheyes.h"
 #include "sample_data/generate/marks.h"
 #include "sample_data/generate/panoramas.h"
 
@@ -203,6 +204,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
   const bool full = desc.full_truth || scene.full_truth;
   const Environment environment = planned(rays, scene.environment);
   if (desc.geometry) write_geometry(rays, truth, full);
+  if (desc.geometry && scene.fisheye) write_fisheye_poses(folder / "poses" / "transforms.json", scene);
   if (desc.geometry && scene.marked) write_marks(scene, folder / "marks.yaml");
   if (desc.photos) {
     make_folders(folder / "photos");
@@ -211,7 +213,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     const auto write = [&](const std::string& name, const Vec3d& gain, const ImageF& radiance, size_t i) {
       const Image8 picture = developed(radiance, gain, scene.sensor, mix64(kSensor, i));
       const fs::path path = folder / "photos" / name;
-      if (scene.panoramas.empty())
+      if (scene.panoramas.empty() || scene.fisheye)
         write_ldr(path, picture, scene.sensor.jpeg_quality);
       else
         write_panorama(path, picture, scene.sensor.jpeg_quality);
@@ -219,8 +221,11 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     };
     for (size_t i = 0; i < scene.panoramas.size(); ++i) {
       const Panorama& p = scene.panoramas[i];
+      const uint64_t key = mix64(kPhoto, i);
       write(p.name, p.gain,
-            rendered_panorama(integrator, &cache, p.cam_from_world, scene.panorama_width, samples, mix64(kPhoto, i)), i);
+            scene.fisheye ? rendered_fisheye(integrator, &cache, p.cam_from_world, *scene.fisheye, samples, key)
+                          : rendered_panorama(integrator, &cache, p.cam_from_world, scene.panorama_width, samples, key),
+            i);
     }
     for (size_t i = 0; scene.panoramas.empty() && i < scene.views.size(); ++i)
       write(scene.views[i].name, scene.views[i].gain, rendered(integrator, &cache, scene.views[i], samples, mix64(kPhoto, i)), i);
