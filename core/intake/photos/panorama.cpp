@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/foundation/math/median.h"
+#include "core/scene/camera/lens_circle.h"
 #include "core/scene/image/resample.h"
 
 namespace vitrine {
@@ -190,6 +191,7 @@ Panorama panorama_of(const GPano& xmp, int width, int height, const std::functio
   }
   if (!sphere_size && !square) return {};
   const ImageF picture = preview();
+  if (shows_lens_circle(picture)) return {};
   const std::string evidence = "left and right edges continue each other, the rows of a pole are stretched";
   if (sphere_size) return shows_sphere(picture) ? Panorama{PanoramaKind::Sphere, "2:1, " + evidence} : Panorama{};
   const int half = picture.height() / 2;

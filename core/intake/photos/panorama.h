@@ -29,7 +29,8 @@ struct Panorama {
 
 // `width`, `height`: of the upright photo. `preview` is only called if these allow a panorama and XMP does not decide: the
 // upright photo, sRGB-coded, 0 to 1, of any size. Without XMP a photo is a panorama if its size is 2:1, what its left and right
-// edges show continues, and at least one pole is stretched along its row; plain edges and plain poles are no evidence.
+// edges show continues, and at least one pole is stretched along its row; plain edges and plain poles are no evidence,
+// and a circle on black is a fisheye photo.
 Panorama panorama_of(const GPano& xmp, int width, int height, const std::function<ImageF()>& preview);
 
 }  // namespace vitrine

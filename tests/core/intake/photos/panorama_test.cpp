@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/support/sphere_picture.h"
 
 namespace vitrine {
@@ -26,6 +29,26 @@ ImageF cut(const ImageF& image, int left, int top, int width, int height) {
   ImageF out(width, height, image.channels());
   for (int y = 0; y < height; ++y) std::copy_n(image.pixel(left, top + y), size_t(width * image.channels()), out.pixel(0, y));
   return out;
+}
+
+// Equidistant, 180 degrees, black outside the circle.
+ImageF fisheye_photo(int side, uint64_t seed) {
+  const auto radius = [&](double x, double y) { return std::hypot(x - 0.5 * side, y - 0.5 * side) / (0.5 * side); };
+  ImageF photo = test::picture_of(
+      side, side,
+      [&](double x, double y) {
+        const double r = std::max(radius(x, y), 1e-9), angle = 0.5 * std::numbers::pi * r;
+        return Vec3d{std::sin(angle) / r * (2 * x / side - 1), std::sin(angle) / r * (2 * y / side - 1), std::cos(angle)};
+      },
+      seed);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      if (radius(x + 0.5, y + 0.5) > 1) std::fill_n(photo.pixel(x, y), 3, 0.01f);
+  return photo;
+}
+
+TEST(Panorama, FisheyePhotosAreNoStereoPairs) {
+  for (const uint64_t seed : {1, 2, 3, 4}) EXPECT_EQ(kind_of(fisheye_photo(224, seed)), PanoramaKind::None) << seed;
 }
 
 TEST(Panorama, XmpIsReadAsAttributesAndElementsOfAnyPrefix) {
