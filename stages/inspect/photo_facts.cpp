@@ -6,6 +6,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/intake/photos/linear_photo.h"
+#include "core/scene/camera/lens_circle.h"
 #include "core/scene/image/ldr.h"
 
 namespace vitrine {
@@ -13,6 +14,11 @@ namespace vitrine {
 namespace {
 
 constexpr int kMeasuredSide = 1000;  // decoded size of the longest side: at least this, less than twice this
+
+constexpr const char* kFisheyeNote =
+    "a fisheye photo (a circle with black around it): its lens model is needed, from poses that have it (--poses), or found by "
+    "--set "
+    "sfm.camera_model=OPENCV_FISHEYE";
 
 PhotoFacts facts_of(const PhotoFile& file) {
   PhotoFacts f;
@@ -32,6 +38,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
         panorama_of(head.gpano, f.width, f.height, [&] { return upright(floats_of(picture), head.exif.orientation); });
     if (panorama.kind != PanoramaKind::None) f.notes.push_back(panorama.sentence());
     f.panorama = panorama.kind == PanoramaKind::Sphere;
+    if (panorama.kind == PanoramaKind::None && shows_lens_circle(floats_of(picture))) f.notes.push_back(kFisheyeNote);
     if (!f.panorama) {
       if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
       f.zoom = zoom_of(head.exif);

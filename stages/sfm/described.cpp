@@ -24,8 +24,8 @@ double features_of(const CostTerms& t, double mpx) {
 void describe(Describer& d, SfmConfig& c) {
   d.option("max_image_size", c.max_image_size, "Longest side at which features are found; 0 = as ingested.").range(0, 20000);
   d.option("max_features", c.max_features, "Most features of a photo.").range(100, 100000);
-  d.option("camera_model", c.camera_model, "Lens model to solve for.")
-      .choices({"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"});
+  d.option("camera_model", c.camera_model, "Lens model to solve for; OPENCV_FISHEYE for fisheye photos.")
+      .choices({"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "OPENCV_FISHEYE"});
   d.option("exhaustive_limit", c.exhaustive_limit, "Up to this many photos all pairs are compared.").range(0, 2000);
   d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
   d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);

@@ -7,30 +7,39 @@
 #include <charconv>
 #include <map>
 #include <mutex>
+#include <numbers>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/timer.h"
+#include "core/scene/camera/colmap_lens.h"
 #include "stages/sfm/matcher.h"
 #include "stages/sfm/sfm.h"
+#include "stages/sfm/wide_photos.h"
 
 namespace vitrine {
 
 namespace {
 
 // f, cx, cy and zero distortion in the order of the camera model's parameters.
-std::string prior_params(const std::string& model, const SfmPhoto& p) {
-  const ColmapCameraType* type = colmap_camera_type(model);
-  VITRINE_CHECK(type != nullptr, "camera model '{}' passed the option's choices", model);
-  const bool two_focals = model == "PINHOLE" || model == "OPENCV";
-  std::vector<double> params;
-  params.push_back(*p.focal_px);
-  if (two_focals) params.push_back(*p.focal_px);
+std::string prior_params(const ColmapCameraType& type, double focal_px, const SfmPhoto& p) {
+  std::vector<double> params(has_two_focals(type.id) ? 2 : 1, focal_px);
   params.push_back(0.5 * p.width);
   params.push_back(0.5 * p.height);
-  params.resize(type->parameter_count, 0.0);
+  params.resize(type.parameter_count, 0.0);
   return fmt::format("{}", fmt::join(params, ","));
+}
+
+// EXIF's focal length. COLMAP's own guess holds for pinhole lenses only: a fisheye lens shows 180 degrees across its circle, or
+// across the photo's longer side.
+std::optional<double> prior_focal(const ReconstructDesc& desc, std::span<const size_t> group, const ColmapCameraType& type) {
+  const SfmPhoto& first = desc.photos[group[0]];
+  if (first.focal_px || !is_fisheye(type.id)) return first.focal_px;
+  std::vector<fs::path> pictures;
+  for (const size_t i : group) pictures.push_back(desc.photos[i].picture);
+  const double circle = lens_circle_px(pictures, first.width, first.height, {0.5 * first.width, 0.5 * first.height});
+  return (circle > 0 ? 2 * circle : std::max(first.width, first.height)) / std::numbers::pi;
 }
 
 std::string params_text(const ColmapCamera& camera) { return fmt::format("{}", fmt::join(camera.params, ",")); }
@@ -154,8 +163,11 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
     for (size_t i : groups[g]) names += safe_name(i) + "\n";
     const fs::path list = desc.work_folder / fmt::format("camera_{}.txt", g);
     write_file(list, names);
-    std::string model = first.rig ? "SIMPLE_PINHOLE" : config.camera_model,
-                params = first.focal_px ? prior_params(model, first) : "";
+    std::string model = first.rig ? "SIMPLE_PINHOLE" : config.camera_model, params;
+    const ColmapCameraType* type = colmap_camera_type(model);
+    VITRINE_CHECK(type != nullptr, "camera model '{}' passed the option's choices", model);
+    if (const auto focal = known == nullptr ? prior_focal(desc, groups[g], *type) : std::nullopt)
+      params = prior_params(*type, *focal, first);
     if (known != nullptr) {
       const auto image =
           std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == first.name; });
