@@ -200,6 +200,9 @@ std::string layers_section(const Material& m) {
         "<details><summary>Glass, mirrors and coats (objects/objects.json; correct it and give it with "
         "--objects)</summary>{}</details>",
         image(*objects, "Photos with the objects that were found"));
+  if (const auto transients = picture_of_file(m.project / "optimize/transients/contact_sheet.png", kLargePicture))
+    body += fmt::format("<details><summary>Transient content, not trained on</summary>{}</details>",
+                        image(*transients, "Photos with the pixels that the other photos contradict"));
   return section("layers", "Layers", "What the picture is made of: the matt surface, what it reflects, what is seen through it.",
                  body);
 }

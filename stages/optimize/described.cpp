@@ -37,6 +37,10 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.choice("medium", c.medium, {"off", "water", "haze", "auto"},
            "What fills the space between cameras and surfaces: water (each colour is absorbed and scattered on its own), haze (one "
            "coefficient), or auto: what explains left-out photos, else nothing. The trained scene is the one without it.");
+  d.choice(
+      "transients", c.transients, {"auto", "off"},
+      "auto: what one photo shows and the others contradict, such as a visitor, is found by a short training and not trained "
+      "on, where no ignore masks are given; off: it is trained like everything else.");
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
            "show through thin glass alone.");
@@ -55,7 +59,7 @@ void describe(Describer& d, OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 38,
+                 .version = 39,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},

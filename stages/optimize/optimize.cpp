@@ -15,6 +15,7 @@
 #include "stages/optimize/medium_fit.h"
 #include "stages/optimize/outputs.h"
 #include "stages/optimize/surroundings.h"
+#include "stages/optimize/transients.h"
 
 namespace vitrine {
 
@@ -125,9 +126,33 @@ std::unique_ptr<Trainer> started(const TrainerSetup& setup, const fs::path& chec
   return trainer;
 }
 
-constexpr double kTwinShare = 0.25;  // of the time
+constexpr double kScoutShare = 0.05, kTwinShare = 0.25;  // of the time
 
-SplatLayer trained_twin(const TrainerSetup& layered, LazyDepth& depth, StageContext& context) {
+// Short training that finds transient content, which then does not take part in training. Needs enough photos to compare.
+Transients ignored_transients(const TrainerSetup& whole, Targets& targets, LazyDepth& depth, StageContext& context) {
+  OptimizeConfig config;
+  configure_scout(whole.config, whole.capture, config);
+  const TrainerSetup setup{
+      .config = config, .capture = whole.capture, .targets = targets, .shapes = whole.shapes, .glass = whole.glass, .layers = {}};
+  const TrainingPart part{"transient content, ", 0, kScoutShare, context.scratch() / "scout.bin"};
+  const std::unique_ptr<Trainer> scout = started(setup, part.checkpoint, depth, context);
+  train(config, whole.capture, *scout, part, context);
+  Transients found = found_transients(*scout, whole.capture, targets);
+  ignore_transients(found, targets, whole.capture);
+  log_info(
+      "transient content: {} of {} photos show some, {:.1f} % of their pixels are not trained on (--set "
+      "optimize.transients=off)",
+      found.photos, whole.capture.train.size(), 100 * found.share);
+  return found;
+}
+
+bool finds_transients(const OptimizeConfig& config, const Targets& targets, const Surroundings& surroundings,
+                      const Capture& capture) {
+  return config.transients == WantedTransients::Auto && !targets.any(MaskClass::Ignore) &&
+         surroundings.trained == Trained::Everything && capture.train.size() >= kFewestForTransients;
+}
+
+SplatLayer trained_twin(const TrainerSetup& layered, double from, LazyDepth& depth, StageContext& context) {
   const TrainerSetup setup{.config = layered.config,
                            .capture = layered.capture,
                            .targets = layered.targets,
@@ -136,7 +161,7 @@ SplatLayer trained_twin(const TrainerSetup& layered, LazyDepth& depth, StageCont
                            .layers = {},
                            .object_alone = layered.object_alone,
                            .judges = layered.judges};
-  const TrainingPart part{"opaque twin, ", 0, kTwinShare, context.scratch() / "opaque_twin.bin"};
+  const TrainingPart part{"opaque twin, ", from, kTwinShare, context.scratch() / "opaque_twin.bin"};
   const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);
   train(layered.config, layered.capture, *trainer, part, context);
   return trainer->scene().diffuse;
@@ -198,9 +223,16 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .layers = layers,
                            .object_alone = alone,
                            .judges = judges,
-                           .medium = medium ? medium->start : std::nullopt};
-  SplatLayer opaque = has_twin ? trained_twin(setup, depth, context) : SplatLayer();
-  const double before = has_twin ? kTwinShare : 0;
+                          .medium = medium ? medium->start : std::nullopt};
+  const bool scouts = finds_transients(config, targets, surroundings, capture);
+  if (scouts) {
+    const Transients transients = ignored_transients(setup, targets, depth, context);
+    context.metric("transient_photos", double(transients.photos));
+    if (transients.photos > 0) write_transients(context.output() / "optimize/transients", transients, capture);
+  }
+  const double scouted = scouts ? kScoutShare : 0;
+  SplatLayer opaque = has_twin ? trained_twin(setup, scouted, depth, context) : SplatLayer();
+  const double before = scouted + (has_twin ? kTwinShare : 0);
   const fs::path previews = context.scratch() / "previews";
   const TrainingPart part{"", before, 1 - before, context.scratch() / "checkpoint.bin", previews};
   const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);

@@ -31,6 +31,7 @@ struct InitialConfig {
 
 enum class WantedSurroundings { Auto, Train, Ignore };
 enum class WantedMedium { Off, Water, Haze, Auto };
+enum class WantedTransients { Auto, Off };
 
 struct OptimizeConfig {
   int iterations = 3000;
@@ -44,6 +45,7 @@ struct OptimizeConfig {
   int holdout_every = 8;
   WantedSurroundings surroundings = WantedSurroundings::Auto;
   WantedMedium medium = WantedMedium::Off;
+  WantedTransients transients = WantedTransients::Off;
   bool fill_unseen = true;
   int checkpoint_every = 250;
   double sh_from = 0.15;     // fraction of the run after which colour depends on the view; not an option
