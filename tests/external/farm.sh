@@ -75,8 +75,8 @@ for _ in $(seq 3600); do training && break; sleep 0.5; done
 training || fail "the third task never trained"
 say "SIGTERM to the task that trains"
 scancel --signal=TERM --batch "${job}_3"
-for _ in $(seq 240); do grep -qs requeue "$work/slurm/slurmctld.log" && break; sleep 0.5; done
-grep -qs -i requeue "$work/slurm/slurmctld.log" || fail "the task was not requeued"
+for _ in $(seq 240); do grep -qsi requeu "$work/slurm/slurmctld.log" && break; sleep 0.5; done
+grep -qsi requeu "$work/slurm/slurmctld.log" || fail "the task was not requeued"
 say "slurmd is killed and comes back"
 sleep 5
 pkill -9 -x slurmd || true
