@@ -55,7 +55,7 @@ class Truth {
   // 0 or 1; 1 = the first surface is a clear coat over paint.
   std::optional<ImageF> coated(size_t view, const Intrinsics& intrinsics) const;
   std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
-  std::optional<TruthPicture> clear(size_t view, const Intrinsics& intrinsics) const;  // the scene in air
+  std::optional<TruthPicture> clear(size_t view, const Intrinsics& intrinsics) const;        // the scene in air
   std::optional<TruthPicture> albedo(size_t view, const Intrinsics& intrinsics) const;  // linear; of the first opaque surface
   // Under the named environment.
   std::optional<TruthPicture> relit(std::string_view name, size_t view, const Intrinsics& intrinsics) const;

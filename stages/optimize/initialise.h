@@ -70,7 +70,6 @@ Quatf rotation_facing(const Vec3f& normal);
 
 // `keep`: accepts the positions of surfels; empty = all. `medium`: in front of the photos; the colours are those without it.
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
-                         const std::function<bool(const Vec3d&)>& keep = {},
-                         const MediumCoefficients<double>* medium = nullptr);
+                         const std::function<bool(const Vec3d&)>& keep = {}, const MediumCoefficients<double>* medium = nullptr);
 
 }  // namespace vitrine

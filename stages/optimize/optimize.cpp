@@ -210,8 +210,8 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   if (!alone) targets.forget(MaskClass::Object);  // the object loss would suppress everything outside the object
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point gives a depth: the first surfels lie at random distances");
-  const std::optional<ChosenMedium> medium =
-      chosen_medium(config.medium, capture, targets, [&]() -> const DenseDepth& { return depth.get(); }, uint64_t(config.seed));
+  const std::optional<ChosenMedium> medium = chosen_medium(
+      config.medium, capture, targets, [&]() -> const DenseDepth& { return depth.get(); }, uint64_t(config.seed));
   log(medium, config.medium, context);
   const bool has_twin = config.opaque_twin && layers.any() && !(medium && medium->start);
   const std::vector<uint8_t> judges = has_twin ? judging_photos(capture) : std::vector<uint8_t>();

@@ -13,11 +13,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInSolid = 0.1;     // largest initial opacity of surfels inside solid glass that were trained with straight rays
+constexpr double kInSolid = 0.1;  // largest initial opacity of surfels inside solid glass that were trained with straight rays
 constexpr double kMediumFrom = 0.15;  // of the run: before, gaps between surfels would show the medium
 constexpr double kMediumRate = 2e-3;  // largest step of the logarithm of a coefficient
-constexpr double kNoise = 0.2;       // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
-constexpr double kNoiseScale = 5e5;  // strength of the noise per unit of the position rate in that paper
+constexpr double kNoise = 0.2;        // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
+constexpr double kNoiseScale = 5e5;   // strength of the noise per unit of the position rate in that paper
 
 ImageOptions options_at(const PhaseClock& clock, const OptimizeConfig& c, int sh_degree) {
   return clock.image_options(c.shading, c.backend, sh_degree);
@@ -218,9 +218,9 @@ void Trainer::fill_unseen() {
   filled_ = 1;
   const bool thin_glass = config().shading.glass == Glass::Thin && setup_.layers.transmittance;
   if (thin_glass && !sheets_) fill_beside_glass();
-  const SplatLayer unseen = inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
-                                             background_, size_t(kMostUnseen * double(config().max_gaussians)),
-                                             medium_ ? &medium_->coefficients() : nullptr);
+  const SplatLayer unseen =
+      inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_, background_,
+                       size_t(kMostUnseen * double(config().max_gaussians)), medium_ ? &medium_->coefficients() : nullptr);
   scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());

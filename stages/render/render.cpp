@@ -72,8 +72,9 @@ void run_render(const RenderConfig& config, StageContext& context) {
                                            .width = equirect ? 0 : config.width,
                                            .height = equirect ? 0 : config.height});
   if (equirect) views = panorama_views(config, views);
-  ScenePainter painter(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
-                       {.backend = config.backend, .layers = config.layers, .samples = config.samples, .medium = !config.without_medium});
+  ScenePainter painter(
+      read_trained_scene(context.input("optimize"), context.optional_input("refine")),
+      {.backend = config.backend, .layers = config.layers, .samples = config.samples, .medium = !config.without_medium});
   const fs::path out = context.output() / "render";
   for (size_t i = 0; i < views.size(); ++i) {
     throw_if_interrupted();

@@ -36,11 +36,28 @@ LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
 
 namespace {
 
-constexpr std::array<std::string_view, kFrameParts> kPartNames{
-    "diffuse channels",   "linear radiance",      "shown shapes",          "coats",        "silhouettes",     "sheets",
-    "surfaces",           "reflection requests",  "transmission requests", "opened scene", "behind glass",    "panes",
-    "reflected radiance", "transmitted radiance", "picture weights",       "layer images", "clear radiance", "display picture", "error image",
-    "diffuse sums",       "reflection sums",      "transmittance sums"};
+constexpr std::array<std::string_view, kFrameParts> kPartNames{"diffuse channels",
+                                                               "linear radiance",
+                                                               "shown shapes",
+                                                               "coats",
+                                                               "silhouettes",
+                                                               "sheets",
+                                                               "surfaces",
+                                                               "reflection requests",
+                                                               "transmission requests",
+                                                               "opened scene",
+                                                               "behind glass",
+                                                               "panes",
+                                                               "reflected radiance",
+                                                               "transmitted radiance",
+                                                               "picture weights",
+                                                               "layer images",
+                                                               "clear radiance",
+                                                               "display picture",
+                                                               "error image",
+                                                               "diffuse sums",
+                                                               "reflection sums",
+                                                               "transmittance sums"};
 static_assert(!kPartNames.back().empty());
 
 [[noreturn]] void refuse(std::string_view pass, std::string_view does, FramePart part, const std::string& why) {

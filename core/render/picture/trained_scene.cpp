@@ -29,7 +29,7 @@ constexpr const char* kLayered = "layered";         // (OpaqueOptions)
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // key in the file, and name of the mesh next to it
 
-constexpr const char* kMedium = "medium";           // (MediumPass)
+constexpr const char* kMedium = "medium";  // (MediumPass)
 constexpr const char* kSilhouettes = "silhouettes";
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }

@@ -16,7 +16,8 @@ namespace vitrine {
 // A float map with the usual channel names: R G B (linear radiance, before the view's gain), X Y Z (world), Z (depth), Y.
 //   radiance                              the whole picture
 //   clear                                 the same without the water or haze of the photos; only if they have it
-//   diffuse, reflection, transmission     contribution of each layer (the opaque twin counts as diffuse); their sum is `radiance`,
+//   diffuse, reflection, transmission     contribution of each layer (the opaque twin counts as diffuse); their sum is
+//   `radiance`,
 //                                         or `clear`
 //   reflected, transmitted                radiance of the rays before weighting
 //   fresnel, specular_weight, transmission_weight, roughness      materials
@@ -45,7 +46,7 @@ ImageF displayed(const ImageF& linear, const Vec3d& gain);
 struct PictureDesc {
   Backend backend = Backend::Cpu;  // of the rasteriser; Reference also selects the reference tracer
   bool layers = false;
-  int samples = 0;  // GGX rays per rough pixel; 0 = the lobe used in training
+  int samples = 0;      // GGX rays per rough pixel; 0 = the lobe used in training
   bool medium = false;  // true: through the water or haze of the photos, as they show the scene
 };
 

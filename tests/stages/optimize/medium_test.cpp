@@ -84,45 +84,8 @@ class TinyWater : public ::testing::Test {
     c.medium = medium;
     return c;
   }
-  // PSNR of the clear picture of the trained scene against the scene in air, over the held-out views.
-  double clear_psnr(const fs::path& artifact) const {
-    const TrainedScene trained = read_trained_scene(artifact);
-    const SplatScene truth{.diffuse = testing::tiny_scene()};
-    ImageOptions in_air = trained.image;
-    in_air.medium.reset();
-    Frame ours, wanted;
-    double sum = 0, count = 0;
-    const std::vector<View> views = testing::ring_of_views(18, 48, 36);
-    for (size_t v = 0; v < views.size(); v += 6) {
-      LayeredModel(in_air).forward(trained.surfels, views[v], ours);
-      LayeredModel(ImageOptions{}).forward(truth, views[v], wanted);
-      for (size_t i = 0; i < ours.srgb.size(); ++i) sum += std::pow(double(ours.srgb[i] - wanted.srgb[i]), 2), ++count;
-    }
-    return -10 * std::log10(sum / count);
-  }
   TemporaryFolder folder_;
 };
-
-TEST_F(TinyWater, TrainingLearnsTheSceneWithoutTheWater) {
-  write(kWater);
-  TestContext with(sfm(), work("with")), without(sfm(), work("without"));
-  run_optimize(config(WantedMedium::Water, 300), with);
-  run_optimize(config(WantedMedium::Off, 300), without);
-  EXPECT_TRUE(with.warnings.empty());
-  EXPECT_GT(clear_psnr(with.output()), clear_psnr(without.output()) + 3);
-  const auto medium = read_image_options(with.output() / "optimize/model.json").medium;
-  ASSERT_TRUE(medium);
-  EXPECT_NEAR(medium->direct.x, kWater.direct.x, 0.2);
-  EXPECT_GT(medium->direct.x, medium->direct.z);
-  EXPECT_FALSE(read_image_options(without.output() / "optimize/model.json").medium);
-}
-
-TEST_F(TinyWater, AutoRemovesTheWaterThatIsThere) {
-  write(kWater);
-  TestContext context(sfm(), work("auto"));
-  run_optimize(config(WantedMedium::Auto, 1), context);
-  EXPECT_TRUE(read_image_options(context.output() / "optimize/model.json").medium);
-}
 
 TEST_F(TinyWater, InAirAutoStaysOffAndAWantedMediumIsAWarning) {
   write(std::nullopt);
@@ -141,6 +104,10 @@ TEST_F(TinyWater, AKilledRunEndsWithTheSameBytes) {
   write(kHaze);
   TestContext whole(sfm(), work("whole"));
   run_optimize(config(WantedMedium::Haze, 40), whole);
+  EXPECT_TRUE(whole.warnings.empty());
+  const auto medium = read_image_options(whole.output() / "optimize/model.json").medium;
+  ASSERT_TRUE(medium);
+  EXPECT_GT(medium->direct.x, 0.2);
   OptimizeConfig often = config(WantedMedium::Haze, 40);
   often.checkpoint_every = 15;
   TestContext stopped(sfm(), work("stopped"));

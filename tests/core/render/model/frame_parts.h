@@ -65,8 +65,8 @@ class Bytes {
 inline std::string values_of(const Frame& frame, FramePart part) {
   // All members: a new one must become part of one of the parts below, or an input.
   const auto& [view, options, specular_mask, transparent_mask, seed, step, differentiable, diffuse, shaded, reflection,
-               transmission, sheets, panes, silhouette, coats, opened, behind, linear, clear, srgb, layers, grad_diffuse, grad_linear,
-               grad_srgb, error_image, statistics] = frame;
+               transmission, sheets, panes, silhouette, coats, opened, behind, linear, clear, srgb, layers, grad_diffuse,
+               grad_linear, grad_srgb, error_image, statistics] = frame;
   Bytes b;
   switch (part) {
     case FramePart::DiffuseChannels:
