@@ -299,4 +299,24 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
   add_transfers("bounced", bounced, kBouncedDegree, blocks);
 }
 
+std::vector<PhotoCoverage> page_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z) {
+  SplatLayer drawn = surfels.layer;
+  drawn.resize(surfels.drawn);
+  return photo_coverage(drawn, surfels.solid, photos, near_z);
+}
+
+uint8_t coverage_byte(const PhotoCoverage& coverage) {
+  constexpr int kMostPhotos = 12;    // counts above this are clamped
+  constexpr double kAngleStep = 10;  // degrees
+  constexpr int kMostAngleSteps = 6;
+  const int steps = std::min(static_cast<int>(coverage.widest_deg / kAngleStep), kMostAngleSteps);
+  return static_cast<uint8_t>(8 * std::min(coverage.photos, kMostPhotos) + steps);
+}
+
+void add_coverage(std::span<const PhotoCoverage> coverage, PageBlocks& blocks) {
+  std::vector<uint8_t> bytes(coverage.size());
+  std::ranges::transform(coverage, bytes.begin(), coverage_byte);
+  blocks.bytes("seen", bytes, 1);
+}
+
 }  // namespace vitrine

@@ -9,6 +9,7 @@
 
 #include "core/foundation/base/json.h"
 #include "core/render/edit/edit_scene.h"
+#include "core/render/picture/confidence.h"
 #include "core/render/picture/decomposed_materials.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/render/relight/light_transfer.h"
@@ -86,17 +87,8 @@ nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> v
 // For a page without edits; `why` is the reason.
 nlohmann::ordered_json no_edits(const std::string& why);
 
-// Coverage of each surfel of a page by the training photos: their number and their angular spread. Surfels seen by few photos, or
-// from one side only, are badly constrained.
-
-struct PhotoCoverage {
-  int photos = 0;
-  double widest_deg = 0;  // largest angle at the surfel between two of them
-};
-
-// Coverage of the rendered surfels. A photo sees a surfel if its centre is inside the image and at least 5 % of its unoccluded
-// blending weight remains. Glass occludes only surfels of glass.
-std::vector<PhotoCoverage> photo_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z);
+// Coverage of the rendered surfels by photos.
+std::vector<PhotoCoverage> page_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z);
 
 // 8 min(photos, 12) + min(floor(angle / 10 degrees), 6).
 uint8_t coverage_byte(const PhotoCoverage& coverage);

@@ -199,7 +199,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   std::vector<View> trained_on;
   for (size_t i = 0; i < s.views.size(); ++i)
     if (!s.heldout[i]) trained_on.push_back(s.views[i]);
-  add_coverage(photo_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
+  add_coverage(page_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
   Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
   const LabelledObjects labelled = LabelledObjects::all(context.optional_input("objects"));
   const Json objects = add_objects(labelled.objects().known(), s.trained.surfels, surfels, blocks);

@@ -5,6 +5,8 @@
 
 #include "core/foundation/math/color.h"
 #include "core/render/raster/raster_desc.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 
@@ -100,6 +102,14 @@ ViewPicture ScenePainter::picture(const View& view) {
   out.layers.push_back({"normal", {out.normal_in_world, {"X", "Y", "Z"}, {}}});
   out.layers.push_back({"depth", {out.zdepth, {"Z"}, {}}});
   return out;
+}
+
+ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics) {
+  ImageF photo = read_exr_rgb(linear_image_path(sfm_folder, view));
+  if (photo.width() != intrinsics.width || photo.height() != intrinsics.height)
+    photo = resized(photo, intrinsics.width, intrinsics.height);
+  for (float& v : photo.data()) v = srgb_from_linear(std::clamp(v, 0.f, 1.f));
+  return photo;
 }
 
 }  // namespace vitrine

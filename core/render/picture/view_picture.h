@@ -2,6 +2,7 @@
 // render`, so that both agree.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,6 +43,10 @@ struct ViewPicture {
 
 // Radiance as shown: times the gain, clipped to [0, 1], sRGB.
 ImageF displayed(const ImageF& linear, const Vec3d& gain);
+
+// The undistorted photo at render size: area average in linear light, encoded to sRGB and clipped to [0,1], the usual values for
+// PSNR and SSIM.
+ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics);
 
 struct PictureDesc {
   Backend backend = Backend::Cpu;  // of the rasteriser; Reference also selects the reference tracer

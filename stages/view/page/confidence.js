@@ -1,4 +1,4 @@
-// Confidence: coverage of the surfels by photos (stages/view/photo_coverage.h) as a number: 0 for one photo or a single
+// Confidence: coverage of the surfels by photos (core/render/picture/confidence.h) as a number: 0 for one photo or a single
 // direction, 1 for at least twelve photos with at least 60 degrees between two of them; the minimum of both criteria. Displayed
 // with a colour map.
 import { element } from '../../page/elements.js';

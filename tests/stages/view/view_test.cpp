@@ -226,7 +226,7 @@ TEST(PhotoCoverage, IsOfThePhotosThatAConvexThingFaces) {
   std::vector<Vec3d> eyes;
   for (const View& v : capture.views) eyes.push_back(v.centre_in_world());
   const PageSurfels surfels = page_surfels(scene, eyes, 5000);
-  const auto found = photo_coverage(surfels, capture.views, 0.01f);
+  const auto found = page_coverage(surfels, capture.views, 0.01f);
   ASSERT_EQ(found.size(), surfels.drawn);
   const auto widest = [](const std::vector<Vec3d>& ways) {
     double most = 0;
@@ -280,7 +280,7 @@ TEST(PhotoCoverage, IsLessBehindAScreenAndTheSameBehindGlass) {
     *all.at(Attribute::Opacity, screen) = 20;
     *all.at(Attribute::Transmission, screen) = transmission;
     const PageSurfels surfels = page_surfels(scene, std::vector<Vec3d>{eye}, 5000);
-    const auto found = photo_coverage(surfels, photo, 0.01f);
+    const auto found = page_coverage(surfels, photo, 0.01f);
     size_t seen = 0;
     for (size_t i = 0; i < found.size(); ++i) seen += surfels.of_diffuse[i] < screen && found[i].photos > 0;
     return seen;
