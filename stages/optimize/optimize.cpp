@@ -223,7 +223,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .layers = layers,
                            .object_alone = alone,
                            .judges = judges,
-                          .medium = medium ? medium->start : std::nullopt};
+                           .medium = medium ? medium->start : std::nullopt};
   const bool scouts = finds_transients(config, targets, surroundings, capture);
   if (scouts) {
     const Transients transients = ignored_transients(setup, targets, depth, context);
