@@ -112,7 +112,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double width_ratio = double(matched.width) / k.width, height_ratio = double(matched.height) / k.height;
     const double mean_demand = (demanded[t + 1] - demanded[t]);
-    std::vector<KnownDepth> known;  // for a photo without stereo depth
+    std::vector<PixelDepth> known;  // for a photo without stereo depth
     for (const Vec3d& h : dense.photos[v].hints) known.push_back({h.x / width_ratio, h.y / height_ratio, h.z});
     const auto spacing = [&](double pixel_demand) { return std::sqrt(area * mean_demand / (double(share) * pixel_demand)); };
     Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, v));

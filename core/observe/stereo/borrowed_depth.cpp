@@ -5,13 +5,13 @@
 
 namespace vitrine {
 
-std::optional<BorrowedDepth> borrowed_depth(std::span<const KnownDepth> known, double x, double y, double reach) {
+std::optional<BorrowedDepth> borrowed_depth(std::span<const PixelDepth> known, double x, double y, double reach) {
   struct Near {
     double squared, z;
   };
   std::array<Near, 3> best;
   best.fill({1e300, 0});
-  for (const KnownDepth& k : known) {
+  for (const PixelDepth& k : known) {
     if (!(k.z > 0)) continue;
     const double squared = (k.x - x) * (k.x - x) + (k.y - y) * (k.y - y);
     if (!(squared < best[2].squared)) continue;

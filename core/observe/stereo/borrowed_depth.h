@@ -7,7 +7,7 @@
 
 namespace vitrine {
 
-struct KnownDepth {
+struct PixelDepth {
   double x, y, z;  // pixels, z-depth
 };
 
@@ -16,6 +16,6 @@ struct BorrowedDepth {
   double spread = 1;  // farthest of them over nearest: much more than 1 = different surfaces
 };
 // Empty when none of `known` is within `reach` pixels of (x, y).
-std::optional<BorrowedDepth> borrowed_depth(std::span<const KnownDepth> known, double x, double y, double reach);
+std::optional<BorrowedDepth> borrowed_depth(std::span<const PixelDepth> known, double x, double y, double reach);
 
 }  // namespace vitrine

@@ -6,6 +6,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/median.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 
@@ -89,9 +90,7 @@ float depth_near(const ImageF& map, double x, double y, double width, double hei
       if (map.at(u, v) > 0) known.push_back(map.at(u, v));
   const size_t pixels = size_t(x1 - x0 + 1) * size_t(y1 - y0 + 1);
   if (2 * known.size() < pixels) return 0;
-  const auto middle = known.begin() + std::ptrdiff_t((known.size() - 1) / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
+  return quantile_of(known, 0.5);  // of two middle depths the nearer
 }
 
 ImageF resized_depth(const ImageF& map, int width, int height) {

@@ -8,7 +8,7 @@ namespace vitrine {
 namespace {
 
 TEST(BorrowedDepth, IsTheMeanInverseOfTheThreeNearest) {
-  const std::vector<KnownDepth> known{{9, 0, 50}, {3, 0, 2}, {0, 1, 4}, {-2, 0, 4}};
+  const std::vector<PixelDepth> known{{9, 0, 50}, {3, 0, 2}, {0, 1, 4}, {-2, 0, 4}};
   const auto found = borrowed_depth(known, 0, 0, 5);
   ASSERT_TRUE(found.has_value());
   const double weights = 1 / 2.0 + 1 / 5.0 + 1 / 10.0;
@@ -17,13 +17,13 @@ TEST(BorrowedDepth, IsTheMeanInverseOfTheThreeNearest) {
 }
 
 TEST(BorrowedDepth, OfFewerIsThatOfThose) {
-  const auto one = borrowed_depth(std::vector<KnownDepth>{{3, 4, 7}}, 0, 0, 5);
+  const auto one = borrowed_depth(std::vector<PixelDepth>{{3, 4, 7}}, 0, 0, 5);
   ASSERT_TRUE(one.has_value());
   EXPECT_DOUBLE_EQ(one->z, 7);
   EXPECT_EQ(one->spread, 1);
-  EXPECT_FALSE(borrowed_depth(std::vector<KnownDepth>{{3, 4, 7}}, 0, 0, 4.9));  // out of reach
+  EXPECT_FALSE(borrowed_depth(std::vector<PixelDepth>{{3, 4, 7}}, 0, 0, 4.9));  // out of reach
   EXPECT_FALSE(borrowed_depth({}, 0, 0, 5));
-  EXPECT_FALSE(borrowed_depth(std::vector<KnownDepth>{{0, 0, -1}, {0, 0, 0}}, 0, 0, 5)) << "behind the camera nothing is known";
+  EXPECT_FALSE(borrowed_depth(std::vector<PixelDepth>{{0, 0, -1}, {0, 0, 0}}, 0, 0, 5)) << "behind the camera nothing is known";
 }
 
 }  // namespace
