@@ -177,6 +177,7 @@ ImageOptions joined_options(const std::vector<ScenePart>& parts) {
       check_alike(*base, p);
     }
   ImageOptions out = base->scene.trained.image;
+  out.medium = parts.front().scene.trained.image.medium;  // water or haze of the host
   ShapeSet shapes;
   TriMesh glass;
   float ior = 0, tolerance = 0;

@@ -108,6 +108,8 @@ TEST(JoinedScene, PartsOfAnotherImageFormationAreRefused) {
   EXPECT_EQ(error_of([&] { joined({room, vase}); }).detail().code, "PARTS_DIFFER");
   room.scene.trained.surfels.reflection = SplatLayer(LayerKind::Reflection, 0, 0);  // an opaque scene has no opinion
   EXPECT_EQ(joined({room, vase}).scene.trained.image.reflection.lobe, Lobe::Sampled);
+  vase.scene.trained.image.medium.emplace();
+  EXPECT_FALSE(joined({room, vase}).scene.trained.image.medium) << "the host was not under water";
 }
 
 TEST(JoinedScene, ATableWithoutFreeIdsIsAnError) {
