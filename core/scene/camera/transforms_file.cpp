@@ -39,8 +39,8 @@ bool fisheye_lens(const Lookup& in) {
   if (const auto model = in.find("camera_model")) {
     const std::string name = model->text();
     fisheye |= name == "OPENCV_FISHEYE";
-    if (name != "OPENCV_FISHEYE" && name != "OPENCV" && name != "PINHOLE" && name != "SIMPLE_PINHOLE" && name != "SIMPLE_RADIAL" &&
-        name != "RADIAL")
+    constexpr std::string_view kKnown[] = {"OPENCV_FISHEYE", "OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL"};
+    if (std::ranges::none_of(kKnown, [&](std::string_view known) { return name == known; }))
       model->fail("the camera model is " + name.substr(0, 40) +
                   "; supported are PINHOLE, OPENCV (k1, k2, p1, p2) and OPENCV_FISHEYE (k1 to k4): undistort the photos first");
   }
