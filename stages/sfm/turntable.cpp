@@ -7,6 +7,7 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "stages/sfm/matcher.h"
 
 namespace vitrine {
 
