@@ -56,13 +56,16 @@ std::string compared(const Material& m, const PhotoScore& v, size_t number) {
   const std::string stem = stem_of(v.name);
   const auto photo = picture_of_file(eval_file(m, stem, "gt"), kLargePicture),
              render = picture_of_file(eval_file(m, stem, "pred"), kLargePicture),
-             error = picture_of_file(eval_file(m, stem, "err"), kMiddlePicture);
+             error = picture_of_file(eval_file(m, stem, "err"), kMiddlePicture),
+             confidence = picture_of_file(eval_file(m, stem, "conf"), kMiddlePicture);
   if (!photo || !render) return {};
   std::string text = "<figure class=\"compare\">";
   if (error) text += fmt::format("<input type=\"checkbox\" class=\"show-error\" id=\"error-{}\">", number);
+  if (confidence) text += fmt::format("<input type=\"checkbox\" class=\"show-confidence\" id=\"confidence-{}\">", number);
   text += fmt::format("<div class=\"pair\" style=\"aspect-ratio:{}/{}\">", render->width, render->height);
   text += image(*render, "Render of the view " + v.name) + image(*photo, "Photo " + v.name, "photo");
   if (error) text += image(*error, "Where photo and render differ: bright is a large difference", "error");
+  if (confidence) text += image(*confidence, "Confidence of the surface: yellow is sure, violet is not", "confidence");
   text += fmt::format(
       "<span class=\"tag photo-tag\" aria-hidden=\"true\">photo</span><span class=\"tag render-tag\" "
       "aria-hidden=\"true\">render</span><span "
@@ -72,6 +75,7 @@ std::string compared(const Material& m, const PhotoScore& v, size_t number) {
   text += fmt::format("<figcaption><span class=\"name\">{}</span> <span>{:.1f}\u00a0dB{}</span>", escaped(v.name), v.psnr,
                       v.ssim ? fmt::format(", SSIM {:.3f}", *v.ssim) : "");
   if (error) text += fmt::format("<label for=\"error-{}\">error</label>", number);
+  if (confidence) text += fmt::format("<label for=\"confidence-{}\">confidence</label>", number);
   return text + "</figcaption></figure>";
 }
 

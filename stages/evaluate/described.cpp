@@ -33,7 +33,7 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 30;
+  info.version = 31;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {
       {.name = "sfm", .doc = "cameras, gains and undistorted photos"},
@@ -97,6 +97,9 @@ StageReport evaluate_report() {
           "How far the channels of the render part where a held-out photo is bright, neutral and plain; the worst photo.",
           "A plain backdrop that is neutral in a photo has a colour in its render.", "neutral.shift"}
           .noted("{neutral.photo}"),
+      {kViews, "confidence", "Confidence ranks the errors", "", 2, 0.5, 0.3,
+       "Rank correlation of the confidence of pixels with the error of held-out photos; 1 is the same order.",
+       "The confidence map does not show where errors are.", "confidence.rank_correlation"},
       ReportFigure{kParts, "region_transparent", "Glass", "dB", 1, 27, 22, "Held-out PSNR inside the masks of glass.",
                    "What stands behind the glass, or its reflections, is not yet understood.", "regions.transparent.psnr"}
           .measured_on("regions.transparent.views", kFewestViews, "held-out views"),

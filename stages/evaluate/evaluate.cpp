@@ -8,6 +8,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/math/quantile.h"
+#include "core/render/picture/confidence.h"
 #include "core/render/picture/surfel_colors.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/scene/camera/view_set.h"
@@ -60,7 +61,9 @@ class Evaluator {
     known_ = LabelledObjects::known(context_.optional_input("objects"));
     regions_.emplace(truth_ ? &*truth_ : nullptr, masks_, objects_);
     result_.regions_from = regions_->from();
+    measure_confidence();
     score_views();
+    result_.confidence = confidence_against_error(confidence_samples_);
     if (truth_) finish_truth();
     for (const auto& [id, iou] : agreement_.iou())
       if (const auto known = result_.objects.find(id); known != result_.objects.end()) known->second.iou = iou;
@@ -116,6 +119,20 @@ class Evaluator {
     return result_.truth && result_.truth->alignment ? &result_.truth->alignment->truth_from_ours : nullptr;
   }
 
+  void measure_confidence() {
+    const auto photo = [&](const View& v) { return photo_srgb(sfm_, v, v.intrinsics); };
+    confidence_ = surfel_confidence(painter_, at_trained_size(views_, result_.split.train, result_.split), photo);
+  }
+
+  // Confidence of a held-out view against its error, and the map as a picture.
+  void score_confidence(const View& seen, const ViewPicture& render, const ImageF& photo, const std::optional<ImageF>& judged) {
+    ImageF counts = render.zdepth;
+    if (judged) keep_within(*judged, counts);
+    const ImageF map = confidence_map(painter_.surfels().diffuse, confidence_, painter_.image().diffuse.near_z, seen);
+    add_confidence_samples(map, absolute_error(render.srgb, photo), counts, confidence_samples_);
+    if (config_.write_pictures) write_confidence(context_.output() / "eval", seen, map);
+  }
+
   // Renders each view once; photo figures for the split, surface figures for every view with truth maps.
   void score_views() {
     std::vector<std::pair<size_t, bool>> order;
@@ -162,6 +179,7 @@ class Evaluator {
     if (truth_) score_transmitted(index, render, masks);
     if (truth_ && heldout) score_clear(index, render);
     if (albedo_) score_albedo(index, render, masks);
+    if (heldout) score_confidence(seen, render, photo, judged);
     if (heldout && config_.write_pictures) {
       write_pictures(context_.output() / "eval", view, render.srgb, photo);
       if (!render.clear.empty()) write_clear(context_.output() / "eval", view, render.clear);
@@ -390,6 +408,8 @@ class Evaluator {
   StageContext& context_;
   fs::path sfm_;
   std::vector<View> views_;
+  std::vector<float> confidence_;  // of the diffuse surfels
+  ConfidenceSamples confidence_samples_;
   ScenePainter painter_;
   bool layered_;  // true if there are layers other than the diffuse one
   std::optional<fs::path> masks_;

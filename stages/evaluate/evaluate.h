@@ -2,7 +2,7 @@
 // folder, poses, normals, depth and mesh with the ground truth. README.md in this folder defines every figure.
 //   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json; optional mesh/mesh.ply, masks, decompose
 //           and the truth folder
-//   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
+//   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err,conf}.png,
 //           eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 #pragma once
 

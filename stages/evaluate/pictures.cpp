@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "core/foundation/base/file.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/image/exr.h"
-#include "core/scene/image/ldr.h"
-#include "core/scene/image/resample.h"
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine {
 
@@ -24,11 +23,11 @@ constexpr std::array<std::array<double, 3>, 6> kRamp{
 
 uint8_t byte_of(double v) { return uint8_t(std::lround(std::clamp(v, 0.0, 1.0) * 255)); }
 
-void paint_ramp(double t, uint8_t* rgb) {
-  const double position = std::clamp(t, 0.0, 1.0) * double(kRamp.size() - 1);
-  const size_t i = std::min(size_t(position), kRamp.size() - 2);
+void paint_ramp(std::span<const std::array<double, 3>> ramp, double t, uint8_t* rgb) {
+  const double position = std::clamp(t, 0.0, 1.0) * double(ramp.size() - 1);
+  const size_t i = std::min(size_t(position), ramp.size() - 2);
   const double f = position - double(i);
-  for (size_t c = 0; c < 3; ++c) rgb[c] = byte_of((1 - f) * kRamp[i][c] + f * kRamp[i + 1][c]);
+  for (size_t c = 0; c < 3; ++c) rgb[c] = byte_of((1 - f) * ramp[i][c] + f * ramp[i + 1][c]);
 }
 
 struct LayerCell {
@@ -58,7 +57,7 @@ Image8 error_picture(const ImageF& srgb, const ImageF& photo) {
   for (size_t i = 0; i < srgb.pixel_count(); ++i) {
     double sum = 0;
     for (size_t c = 0; c < 3; ++c) sum += std::abs(double(srgb.data()[3 * i + c]) - photo.data()[3 * i + c]);
-    paint_ramp(sum / 3 / kErrorWhite, &out.data()[3 * i]);
+    paint_ramp(kRamp, sum / 3 / kErrorWhite, &out.data()[3 * i]);
   }
   return out;
 }
@@ -84,7 +83,7 @@ Image8 depth_picture(const ImageF& zdepth) {
     const double z = zdepth.data()[i];
     if (!(z > 0)) continue;
     const double t = high > low ? (1 / low - 1 / z) / (1 / low - 1 / high) : 0;
-    paint_ramp(0.95 - 0.85 * std::clamp(t, 0.0, 1.0), &out.data()[3 * i]);
+    paint_ramp(kRamp, 0.95 - 0.85 * std::clamp(t, 0.0, 1.0), &out.data()[3 * i]);
   }
   return out;
 }
@@ -113,20 +112,23 @@ void write_pictures(const std::filesystem::path& eval_folder, const View& view, 
   write_ldr(base.string() + "_err.png", error_picture(srgb, photo));
 }
 
+void write_confidence(const std::filesystem::path& eval_folder, const View& view, const ImageF& confidence) {
+  constexpr std::array<std::array<double, 3>, 5> kViridis{
+      {{0.27, 0, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.15}}};
+  Image8 out(confidence.width(), confidence.height(), 3);
+  for (size_t i = 0; i < confidence.pixel_count(); ++i)
+    if (confidence.data()[i] > 0) paint_ramp(kViridis, confidence.data()[i], &out.data()[3 * i]);
+  const std::filesystem::path base = eval_folder / view.stem();
+  make_folders(base.parent_path());
+  write_ldr(base.string() + "_conf.png", out);
+}
+
 void write_layers(const std::filesystem::path& eval_folder, const View& view, const ViewPicture& picture) {
   for (const PictureLayer& layer : picture.layers) {
     const std::filesystem::path path = eval_folder / "layers" / layer.name / (view.stem() + ".exr");
     make_folders(path.parent_path());
     write_exr(path, layer.map);
   }
-}
-
-ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics) {
-  ImageF photo = read_exr_rgb(linear_image_path(sfm_folder, view));
-  if (photo.width() != intrinsics.width || photo.height() != intrinsics.height)
-    photo = resized(photo, intrinsics.width, intrinsics.height);
-  for (float& v : photo.data()) v = srgb_from_linear(std::clamp(v, 0.f, 1.f));
-  return photo;
 }
 
 }  // namespace vitrine

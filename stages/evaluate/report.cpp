@@ -6,7 +6,6 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/math/quantile.h"
 #include "core/scene/image/metrics.h"
-#include "stages/evaluate/view_error.h"
 
 namespace vitrine {
 namespace {
@@ -49,6 +48,11 @@ Json definitions(const Evaluation& e) {
     d["surfel_objects"] =
         "share of the surfels that held-out views show which carry the id of the label that outweighs the others there";
   }
+  if (e.confidence)
+    d["confidence.rank_correlation"] =
+        "Spearman correlation of the confidence of a pixel with minus its mean absolute sRGB error, over the opaque pixels of "
+        "held-out views; the confidence is measured in training photos alone: 0.05 / (0.05 + their mean error where the surfel "
+        "shows)";
   d["neutral.shift"] = fmt::format(
       "the largest ratio between two channels of (render / photo), less 1: median over the pixels of a held-out view that are "
       "bright, neutral and without texture in the photo and opaque in the render, in linear light; the largest of the views with "
@@ -246,6 +250,8 @@ std::string metrics_json(const Evaluation& e) {
     j["objects"].push_back(std::move(entry));
   }
   if (e.surfel_objects) j["surfel_objects"] = *e.surfel_objects;
+  if (const auto& c = e.confidence)
+    j["confidence"] = {{"rank_correlation", c->rank_correlation}, {"mean", c->mean}, {"pixels", c->pixels}};
   if (const ViewScore* v = strongest_neutral_shift(e)) {
     const auto measured = std::count_if(e.views.begin(), e.views.end(),
                                         [](const ViewScore& s) { return s.heldout && s.neutral_shift.has_value(); });

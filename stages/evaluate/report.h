@@ -18,6 +18,7 @@
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_error.h"
+#include "stages/evaluate/view_error.h"
 
 namespace vitrine {
 
@@ -65,6 +66,7 @@ struct Evaluation {
   };
   std::map<uint16_t, ObjectScore> objects;          // by id: objects of the table visible in some held-out view
   std::optional<double> surfel_objects;             // share of surfels with the correct id
+  std::optional<ConfidenceScore> confidence;        // of held-out views
   std::string regions_from;                         // "truth", "objects", or empty: none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };
@@ -98,11 +100,9 @@ void add_view(const ViewPicture& picture, const ImageF& photo_srgb, const std::o
 void write_clear(const std::filesystem::path& eval_folder, const View& view, const ImageF& clear);
 // eval/<stem>_{gt,pred,err}.png
 void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo_srgb);
+// eval/<stem>_conf.png, the confidence map [h,w,1]: viridis, violet 0, yellow 1; black = no surface
+void write_confidence(const std::filesystem::path& eval_folder, const View& view, const ImageF& confidence);
 // eval/layers/<layer>/<stem>.exr
 void write_layers(const std::filesystem::path& eval_folder, const View& view, const ViewPicture& picture);
-
-// The undistorted photo at render size: area average in linear light, encoded to sRGB and clipped to [0,1], the usual values for
-// PSNR and SSIM.
-ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics);
 
 }  // namespace vitrine

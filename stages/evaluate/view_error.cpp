@@ -4,15 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/projection.h"
-#include "core/scene/image/metrics.h"
-#include "core/scene/image/resample.h"
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/median.h"
 #include "core/foundation/math/vec.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 
@@ -120,6 +121,44 @@ std::optional<double> neutral_shift(const ImageF& srgb, const ImageF& photo, con
   for (int c = 0; c < 3; ++c) median[c] = upper_median(std::move(log_ratio[c]));
   const auto [least, most] = std::minmax({median[0], median[1], median[2]});
   return std::exp(most - least) - 1;
+}
+
+void add_confidence_samples(const ImageF& confidence, const ImageF& error, const ImageF& counts, ConfidenceSamples& samples) {
+  constexpr size_t kMostPixels = 65536;
+  const size_t n = counts.pixel_count(), step = std::max<size_t>(1, (n + kMostPixels - 1) / kMostPixels);
+  for (size_t i = 0; i < n; i += step)
+    if (counts.data()[i] > 0) samples.confidence.push_back(confidence.data()[i]), samples.error.push_back(error.data()[i]);
+}
+
+std::optional<double> rank_correlation(std::span<const float> a, std::span<const float> b) {
+  VITRINE_CHECK(a.size() == b.size(), "{} values and {}", a.size(), b.size());
+  const auto ranks = [](std::span<const float> values) {
+    std::vector<size_t> order(values.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](size_t i, size_t j) { return values[i] < values[j]; });
+    std::vector<double> out(values.size());
+    for (size_t first = 0, last = 0; first < order.size(); first = last) {
+      while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
+      for (size_t k = first; k < last; ++k) out[order[k]] = 0.5 * double(first + last - 1);
+    }
+    return out;
+  };
+  const std::vector<double> x = ranks(a), y = ranks(b);
+  const double centre = 0.5 * (double(a.size()) - 1);  // the mean rank of both
+  double xy = 0, xx = 0, yy = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    xy += (x[i] - centre) * (y[i] - centre);
+    xx += (x[i] - centre) * (x[i] - centre), yy += (y[i] - centre) * (y[i] - centre);
+  }
+  return xx > 0 && yy > 0 ? std::optional(xy / std::sqrt(xx * yy)) : std::nullopt;
+}
+
+std::optional<ConfidenceScore> confidence_against_error(const ConfidenceSamples& samples) {
+  const auto correlation = rank_correlation(samples.confidence, samples.error);
+  if (!correlation) return std::nullopt;
+  double sum = 0;
+  for (const float c : samples.confidence) sum += c;
+  return ConfidenceScore{sum / double(samples.confidence.size()), -*correlation, samples.confidence.size()};
 }
 
 }  // namespace vitrine

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "core/scene/camera/view.h"
-#include "core/scene/image/image.h"
 #include "core/foundation/math/rigid.h"
 #include "core/render/picture/view_picture.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
@@ -43,5 +44,23 @@ std::optional<double> radiance_psnr(const RadiancePicture& ours, const TruthPict
 // channels of (render / photo), minus 1; per channel the median over those pixels in linear light. Pictures are sRGB [h,w,3].
 // `counts` [h,w,1]: pixels that are 0, or next to such a pixel, are excluded. nullopt: fewer than `min_pixels`.
 std::optional<double> neutral_shift(const ImageF& srgb, const ImageF& photo_srgb, const ImageF& counts, int min_pixels);
+
+// Pixels of held-out views: confidence of the map and absolute error, evenly spread, at most 65536 of a view.
+struct ConfidenceSamples {
+  std::vector<float> confidence, error;
+};
+// `counts` [h,w,1]: pixels that are 0 are excluded.
+void add_confidence_samples(const ImageF& confidence, const ImageF& error, const ImageF& counts, ConfidenceSamples& samples);
+
+struct ConfidenceScore {
+  double mean = 0;              // confidence
+  double rank_correlation = 0;  // Spearman, of confidence and minus the error
+  size_t pixels = 0;
+};
+// nullopt: fewer than two pixels, or all have the same confidence or error.
+std::optional<ConfidenceScore> confidence_against_error(const ConfidenceSamples& samples);
+
+// Pearson correlation of the ranks; equal values share their mean rank. nullopt: fewer than two values, or one side is constant.
+std::optional<double> rank_correlation(std::span<const float> a, std::span<const float> b);
 
 }  // namespace vitrine

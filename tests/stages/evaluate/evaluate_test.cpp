@@ -41,6 +41,25 @@ TEST(EvaluateStage, TrueSceneScoresAbove45Decibels) {
   EXPECT_EQ(context.metrics.at("heldout.psnr"), m["heldout"]["psnr"].get<double>());
 }
 
+// Colours of one side that photos do not have: training photos know it, and held-out ones see it.
+TEST(EvaluateStage, ConfidenceFromTrainingPhotosRanksErrorsOfOthers) {
+  const TinyCapture capture;
+  SplatLayer wrong = capture.layer;
+  Rng rng(4, 1);
+  for (size_t i = 0; i < wrong.size(); ++i) {
+    const float* m = wrong.at(Attribute::Mean, i);
+    const float shift = 0.6f * std::max(0.f, m[2] / float(TinyCapture::kRadius)) + 0.02f * float(rng.uniform_double());
+    for (size_t c = 0; c < 3; ++c) wrong.at(Attribute::ShDc, i)[c] += shift / 0.28f;
+  }
+  write_layer(capture.optimize() / "gaussians/diffuse.ply", wrong);
+  RecordingContext context(capture.inputs(false));
+  const json c = metrics_of(context, quick())["confidence"];
+  EXPECT_GT(c["rank_correlation"].get<double>(), 0.6);
+  EXPECT_LT(c["mean"].get<double>(), 0.9);
+  EXPECT_GT(c["pixels"].get<int>(), 500);
+  EXPECT_TRUE(fs::exists(context.output() / "eval/view_0_conf.png"));
+}
+
 TEST(EvaluateStage, GainsOfTheViewsAreApplied) {
   const TinyCapture capture;
   Gains gains = read_gains(capture.sfm() / "sfm/gains.json");

@@ -292,5 +292,15 @@ TEST(NeutralShift, OfTooFewPixelsIsNotKnown) {
   EXPECT_EQ(neutral_shift(b.render, b.photo, b.counts, 0), std::nullopt);
 }
 
+TEST(RankCorrelation, IsOfTheOrderAlone) {
+  const std::vector<float> a{1, 2, 3, 4, 5}, squares{1, 4, 9, 16, 25}, falling{5, 4, 3, 2, 1}, ties{1, 1, 2, 2, 3};
+  EXPECT_NEAR(rank_correlation(a, squares).value(), 1, 1e-12);
+  EXPECT_NEAR(rank_correlation(a, falling).value(), -1, 1e-12);
+  // Ranks 0.5 0.5 2.5 2.5 4: covariance 9, variances 10 and 9.
+  EXPECT_NEAR(rank_correlation(a, ties).value(), 9 / std::sqrt(90.0), 1e-12);
+  EXPECT_FALSE(rank_correlation(a, std::vector<float>(5, 2.f)));
+  EXPECT_FALSE(rank_correlation(std::span<const float>(), std::span<const float>()));
+}
+
 }  // namespace
 }  // namespace vitrine
