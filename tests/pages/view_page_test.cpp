@@ -182,7 +182,7 @@ TEST_F(ViewPage, ClipsAnnotatesShowsConfidenceAndTwoRuns) {
   const std::vector<View> trained_on(capture.views.begin() + 1, capture.views.end());
   const PageSurfels surfels = page_surfels(scene, eyes, 100000);
   std::vector<uint8_t> seen;
-  for (const PhotoCoverage& c : photo_coverage(surfels, trained_on, scene.image.diffuse.near_z)) seen.push_back(coverage_byte(c));
+  for (const PhotoCoverage& c : page_coverage(surfels, trained_on, scene.image.diffuse.near_z)) seen.push_back(coverage_byte(c));
   EXPECT_EQ(r["confidence"]["seen"].get<std::vector<uint8_t>>(), seen);
   EXPECT_EQ(r["confidence"]["legend"], json::array({false, true})) << "there with the mode alone";
   EXPECT_LE(r["confidence"]["off_scale"], 3) << "colours of the legend";

@@ -15,12 +15,12 @@ namespace {
 
 using namespace test;
 
-constexpr int kSide = 120;
+constexpr int kCutSide = 120;
 constexpr double kCircle_px = 52;  // of 156 degrees: the sides of the faces end in an arc
 
 class CutViews : public testing::Test {
  protected:
-  CutViews() : views(lens_views({1, 5, kSide, kSide, {38.2, 38.2, 60, 60, 0, 0, 0, 0}}, kCircle_px)) {
+  CutViews() : views(lens_views({1, 5, kCutSide, kCutSide, {38.2, 38.2, 60, 60, 0, 0, 0, 0}}, kCircle_px)) {
     ColmapModel model;
     nlohmann::json cameras = nlohmann::json::array();
     Gains gains;
@@ -31,7 +31,7 @@ class CutViews : public testing::Test {
       const Quatd q = quaternion(*views[v].rotation);
       cameras.push_back(
           {{"photographed",
-            {{"id", id}, {"model", "OPENCV_FISHEYE"}, {"width", kSide}, {"height", kSide}, {"params", views[v].source.params}}},
+            {{"id", id}, {"model", "OPENCV_FISHEYE"}, {"width", kCutSide}, {"height", kCutSide}, {"params", views[v].source.params}}},
            {"view_from_photo", {q.w, q.x, q.y, q.z}},
            {"circle_px", kCircle_px}});
     }
@@ -88,8 +88,8 @@ TEST_F(CutViews, WhatTheLensDoesNotShowIsIgnoredWithoutAnyMask) {
 }
 
 TEST_F(CutViews, MasksOfThePhotosAreCutAndUnseenPixelsAreAdded) {
-  put("ignore/a.png", disk_mask(kSide, kSide, 14));                       // around the axis of the lens
-  put("object/a.png", disk_mask(kSide, kSide, 9, 60 + 1.25 * 38.2, 60));  // 72 degrees to the right
+  put("ignore/a.png", disk_mask(kCutSide, kCutSide, 14));                       // around the axis of the lens
+  put("object/a.png", disk_mask(kCutSide, kCutSide, 9, 60 + 1.25 * 38.2, 60));  // 72 degrees to the right
   const auto context = run({{"sfm", sfm()}, {"masks", given()}});
   const Image8 ahead = mask_of(*context, "ignore", "a/view_00");
   const Intrinsics& k = views[0].target;

@@ -12,7 +12,7 @@
 namespace vitrine {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kOneDegree = std::numbers::pi / 180;
 
 ColmapCamera lens(const char* model, int width, int height, std::vector<double> params) {
   return {1, colmap_camera_type(model)->id, uint64_t(width), uint64_t(height), std::move(params)};
@@ -34,7 +34,7 @@ TEST(LensRays, AreTheInverseOfTheirPixelsAlsoBehindTheCamera) {
     for (double angle = 0; angle < 100; angle += 7)
       for (double turn = 0; turn < 6.2; turn += 0.9) {
         if (angle > 90 && w.camera.model_id == colmap_camera_type("OPENCV_FISHEYE")->id && w.circle_px == 0) continue;
-        const double a = angle * kDegree;
+        const double a = angle * kOneDegree;
         const Vec3d ray{std::sin(a) * std::cos(turn), std::sin(a) * std::sin(turn), std::cos(a)};
         const std::optional<Vec3d> back = ray_of_pixel(w.camera, project_ray(w.camera, 3.0 * ray));
         ASSERT_TRUE(back) << w.camera.model_id << " " << angle;
