@@ -23,9 +23,10 @@ struct FarmArguments {
 
 CommandLine command_line(FarmArguments& a) {
   CommandLine cli(
-      "vitrine farm", "plan CAPTURES... -o RESULTS | submit RESULTS | task RESULTS | status RESULTS [options] [-- RUN OPTIONS]",
+      "vitrine farm", "plan|submit|task|status FOLDER... [options]",
       "Many captures: one run of vitrine each, scheduled by an engine that is there. plan: writes RESULTS/tasks.tsv and "
-      "tasks.txt, a task for every folder of photos in CAPTURES; what follows `--` are options of vitrine run. submit: hands "
+      "tasks.txt, a task for every folder of photos in FOLDER, -o RESULTS; what follows `--` are options of vitrine run. submit: "
+      "hands "
       "them to an engine. task: runs one of them. status: how far they are; writes RESULTS/index.html.");
   cli.section("plan");
   cli.value("output", 'o', "RESULTS", a.output, "Folder of the results, one output folder a capture.");

@@ -51,7 +51,8 @@ constexpr Exception kExceptions[] = {
     {"report_page/page.cpp", "mesh optimize", "a section of the page; the views that were held out"},
     {"report_page/regions.cpp", "normals", "pictures of the confidence"},
     {"report_page/sections_figures.cpp", "objects", "the rows of eval/metrics.json"},
-    {"report_page/sections_pictures.cpp", "decompose masks mesh normals objects", "the pictures of the page, and a section"},
+    {"report_page/sections_pictures.cpp", "decompose masks mesh normals objects optimize",
+     "the pictures of the page, and a section"},
     {"report_page/sections_run.cpp", "ingest", "copies of the photos"},
     {"report_page/verdict.cpp", "relight mark", "advice: the commands vitrine relight and vitrine mark"},
 };
