@@ -105,7 +105,7 @@ mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 
 # The first command with few steps: all stages and both pictures under other lights, a scene that nobody looks at.
-step quickstart "pipeline/quickstart.sh -o /root/out --set optimize.iterations=150 --set refine.fine_tune.iterations=20"
+step quickstart "pipeline/quickstart.sh -o /opt/out --set optimize.iterations=150 --set refine.fine_tune.iterations=20"
 step tests "tests/run.sh --fast --no-sanitizers"
 step digests "${VITRINE_RENEW_GOLDEN:+VITRINE_RENEW_GOLDEN=1 }build/bin/test_golden --gtest_brief=1 --gtest_filter='StageDigests*'"
 if [ -n "${VITRINE_RENEW_GOLDEN:-}" ]; then
