@@ -144,7 +144,7 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 14;
+  info.version = 15;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "core/render/trace/tracer.h"
 #include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/surfels/layers.h"
-#include "core/render/trace/tracer.h"
 
 namespace vitrine {
 
@@ -25,8 +25,9 @@ struct SurfelMaterial {
 
 struct SurfaceSample {
   SurfelMaterial material;
-  Vec3f normal{};    // blended disk normals, facing out; zero where unknown
-  float weight = 0;  // sum of blending weights; 0: no surfel
+  Vec3f normal{};        // blended disk normals, facing out; zero where unknown
+  float weight = 0;      // sum of blending weights; 0: no surfel
+  float confidence = 0;  // blended confidence of the surfels; 0 without any
 };
 
 struct MaterialSource {
@@ -35,6 +36,7 @@ struct MaterialSource {
   // The first `with_albedo` surfels use `color` of the materials, the others their trained colour along the ray (spherical
   // harmonics).
   size_t with_albedo = 0;
+  std::span<const float> confidence = {};  // [surfels] or empty: not measured
 };
 
 class SurfaceSampler {

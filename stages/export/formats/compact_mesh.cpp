@@ -34,6 +34,7 @@ CompactMesh compact(const PlainMesh& mesh) {
   from.resize(all.empty() ? 0 : meshopt_optimizeVertexFetchRemap(place.data(), all.data(), all.size(), before));
   for (uint32_t v = 0; v < before; ++v)
     if (place[v] != kUnused) from[place[v]] = v;
+  out.source = from;
   size_t next = 0;
   for (const Triangles& part : mesh.parts) {
     Triangles& to = out.parts.emplace_back(part.size());

@@ -22,6 +22,7 @@ struct CompactMesh {
   std::vector<int16_t> normals;     // [n,3] in 32767ths
   std::vector<int8_t> tangents;     // [n,4] in 127ths; the fourth is the handedness of the bitangent
   std::vector<uint16_t> uv;         // [n,2] in 65535ths
+  std::vector<uint32_t> source;     // [n] vertex of the given mesh
   std::vector<Triangles> parts;     // the given parts, indexing vertices of this mesh
   Vec3f origin{};
   float side = 1;

@@ -39,6 +39,7 @@ std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesys
 // ply-albedo: the surfels as in ply-3dgs, for programs that light splats. Their colour is the albedo of the decompose stage,
 // without view dependence; normals face outwards; the materials follow the standard properties:
 //   roughness  f0_r f0_g f0_b  specular_weight  transmission      linear, 0 to 1 (core/render/picture/decomposed_materials.h)
+//   confidence      0 to 1 (core/render/picture/confidence.h), if it could be measured
 // Colours are sRGB as in all files of this layout. Surfels that represent the captured light are omitted.
 std::vector<std::string> write_ply_albedo(ExportSource& source, const std::filesystem::path& folder) {
   const DecomposedMaterials& found = source.decomposed();
@@ -54,13 +55,20 @@ std::vector<std::string> write_ply_albedo(ExportSource& source, const std::files
   }
   std::vector<MoreProperty> more{{"roughness", {}},       {"f0_r", {}},        {"f0_g", {}}, {"f0_b", {}},
                                  {"specular_weight", {}}, {"transmission", {}}};
+  const std::span<const float> confidence = source.confidence();
+  if (!confidence.empty()) more.push_back({"confidence", {}});
   for (size_t to = 0; to < kept.size(); ++to) {
     const uint32_t i = kept[to];
     for (const Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
       std::copy_n(diffuse.at(a, i), diffuse.width(a), layer.at(a, to));
     for (size_t c = 0; c < 3; ++c) layer.at(Attribute::ShDc, to)[c] = (srgb_from_linear(found.albedo[i][c]) - 0.5f) / kShDc;
-    const float values[] = {found.roughness[i],       found.f0[i].x,        found.f0[i].y, found.f0[i].z,
-                            found.specular_weight[i], found.transmission[i]};
+    const float values[] = {found.roughness[i],
+                            found.f0[i].x,
+                            found.f0[i].y,
+                            found.f0[i].z,
+                            found.specular_weight[i],
+                            found.transmission[i],
+                            confidence.empty() ? 0 : confidence[i]};
     for (size_t k = 0; k < more.size(); ++k) more[k].values.push_back(values[k]);
   }
   const ExportFrame frame = source.frame();
@@ -126,7 +134,7 @@ ExportFormat ply_albedo_format() {
           .summary = "flat ellipsoids with albedo and materials, for programs that light splats themselves",
           .holds =
               "position, rotation, scales (the third is 1e-6 scene units), opacity, albedo as sRGB colour and normals that face "
-              "out, of every diffuse surfel; roughness, f0, specular weight and transmission as further properties",
+              "out, of every diffuse surfel; roughness, f0, specular weight, transmission and confidence as further properties",
           .loses =
               "the light of the photos, and surfels that show it; view dependence; reflections, and what is seen through glass "
               "alone; programs that do not know the property transmission show glass opaque",

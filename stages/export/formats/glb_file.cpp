@@ -76,7 +76,7 @@ int GlbFile::add_rows(std::span<const T> values, size_t components, int componen
   for (size_t i = 0; i < count; ++i) std::memcpy(bytes.data() + i * stride, &values[i * components], row);
   const int view = add_view(bytes.data(), bytes.size(), kArrayBuffer);
   json["bufferViews"].back()["byteStride"] = stride;
-  const int accessor = add_accessor(view, fmt::format("VEC{}", components), component_type, count);
+  const int accessor = add_accessor(view, components == 1 ? "SCALAR" : fmt::format("VEC{}", components), component_type, count);
   json["accessors"].back()["normalized"] = true;
   return accessor;
 }

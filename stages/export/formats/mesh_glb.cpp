@@ -4,12 +4,14 @@
 // as in our panes; double-sided, because a pane of the mesh may be a single surface. Solid glass of the refine stage also has
 // KHR_materials_volume, which refracts by the index of refraction; its thickness is in mesh space, like the positions, and
 // absorption is omitted, because it was not measured. The file is always +Y up, as glTF requires. Geometry is quantised
-// (compact_mesh.h): the node "scene" has the offset and the scale of the mesh.
+// (compact_mesh.h): the node "scene" has the offset and the scale of the mesh. The attribute _CONFIDENCE (16 bits, normalised) is
+// the confidence of each vertex (core/render/picture/confidence.h), if it could be measured.
 #include "core/scene/image/ldr.h"
 #include "stages/export/formats/compact_mesh.h"
 #include "stages/export/formats/glb_file.h"
 #include "stages/export/formats/source.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vitrine {
@@ -81,10 +83,18 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   Json nodes = {{{"name", "scene"}, {"translation", Json::array()}, {"scale", {side, side, side}}}};
   for (size_t c = 0; c < 3; ++c) nodes[0]["translation"].push_back(shortest(geometry.origin[c]));
   glb.require_extension("KHR_mesh_quantization");
-  const Json attributes = {{"POSITION", glb.add_normalized(geometry.positions, 3, true)},
-                           {"NORMAL", glb.add_normalized(geometry.normals, 3)},
-                           {"TANGENT", glb.add_normalized(geometry.tangents, 4)},
-                           {"TEXCOORD_0", glb.add_normalized(geometry.uv, 2)}};
+  Json attributes = {{"POSITION", glb.add_normalized(geometry.positions, 3, true)},
+                     {"NORMAL", glb.add_normalized(geometry.normals, 3)},
+                     {"TANGENT", glb.add_normalized(geometry.tangents, 4)},
+                     {"TEXCOORD_0", glb.add_normalized(geometry.uv, 2)}};
+  if (!source.confidence().empty()) {
+    std::vector<uint16_t> confidence;
+    for (const uint32_t v : geometry.source) {
+      const float c = source.vertex_samples()[mesh.source_vertex[v]].confidence;
+      confidence.push_back(uint16_t(std::lround(65535 * std::clamp(c, 0.f, 1.f))));
+    }
+    attributes["_CONFIDENCE"] = glb.add_normalized(confidence, 1);
+  }
   const PbrTextures& t = mesh.textures;
   TextureIndices texture{};
   texture.base_color = glb.add_texture("base_color", png_bytes(t.base_color));
@@ -132,7 +142,8 @@ ExportFormat mesh_glb_format() {
       .holds =
           "a node for each object; triangles, normals, tangents, texture coordinates; textures for base colour, metalness and "
           "roughness, normals, specular colour and transmission; glass as KHR_materials_transmission, double-sided; solid glass "
-          "with its thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior",
+          "with its thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior; "
+          "the confidence of each vertex as the attribute _CONFIDENCE",
       .loses =
           "view dependence; gloss of what stands behind glass; what solid glass absorbs (it is clear), and its shell where it "
           "stands on something; base colours above 1; without the decompose stage, and of what is seen through glass alone, the "

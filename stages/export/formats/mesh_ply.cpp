@@ -1,8 +1,9 @@
 // Export format mesh-ply: the cleaned mesh as binary PLY with vertex normals, 8-bit sRGB colours and materials as floats:
-//   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]  [object_id]
+//   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]  [confidence]
+//   [object_id]
 // f0 is the reflectance at normal incidence including the specular weight (bake/pbr_mesh.h). albedo: linear, if the decompose
-// stage ran; the 8-bit colours are then the albedo, else the fused radiance. object_id: ushort, 0: none; the comments contain the
-// names.
+// stage ran; the 8-bit colours are then the albedo, else the fused radiance. confidence: 0 to 1, how far training photos agree
+// with the surfels (core/render/picture/confidence.h). object_id: ushort, 0: none; the comments contain the names.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -41,6 +42,8 @@ std::vector<std::string> write_mesh_ply(ExportSource& source, const std::filesys
   for (const char* name : {"f0_r", "f0_g", "f0_b", "roughness", "transmission"}) out += fmt::format("property float {}\n", name);
   if (albedo)
     for (const char* name : {"albedo_r", "albedo_g", "albedo_b"}) out += fmt::format("property float {}\n", name);
+  const bool confidence = !source.confidence().empty();
+  if (confidence) out += "property float confidence\n";
   if (!mesh.object_ids.empty()) out += "property ushort object_id\n";
   out += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.faces.size());
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -54,6 +57,7 @@ std::vector<std::string> write_mesh_ply(ExportSource& source, const std::filesys
     put(out, m.roughness);
     put(out, m.transmission);
     if (albedo) put(out, m.color);
+    if (confidence) put(out, samples[i].confidence);
     if (!mesh.object_ids.empty()) put(out, mesh.object_ids[i]);
   }
   for (const auto& f : mesh.faces) {
@@ -71,7 +75,8 @@ ExportFormat mesh_ply_format() {
           .summary = "the mesh as binary PLY with materials at the vertices",
           .holds =
               "triangles, vertex normals, vertex colours (8-bit sRGB); reflectance f0, roughness, transmission per vertex, and "
-              "the linear albedo when there is one; the object of each vertex, with their names in the header",
+              "the linear albedo when there is one; the confidence of each vertex; the object of each vertex, with their names "
+              "in the header",
           .loses = "view dependence, 8-bit colours above 1, detail between vertices, which glass is solid",
           .write = write_mesh_ply};
 }

@@ -6,7 +6,9 @@
 #include "core/foundation/base/error.h"
 #include "core/render/model/kernels/layer_blend.h"
 #include "core/render/model/opened_scene.h"
+#include "core/render/picture/confidence.h"
 #include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/view_set.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
 #include "core/scene/surfels/activation.h"
@@ -199,10 +201,27 @@ const std::vector<SurfelMaterial>& ExportSource::materials() {
   return *materials_;
 }
 
+std::span<const float> ExportSource::confidence() {
+  if (confidence_) return *confidence_;
+  confidence_.emplace();
+  const auto list = inputs_.optimize / "optimize" / "views.json";
+  if (!std::filesystem::exists(list)) return *confidence_;
+  const std::vector<View> views = load_view_set(inputs_.sfm).views;
+  const ViewSplit split = read_view_split(list, views);
+  const std::vector<View> training = at_trained_size(views, split.train, split);
+  for (const View& v : training)
+    if (!std::filesystem::exists(linear_image_path(inputs_.sfm, v))) return *confidence_;
+  ScenePainter painter(scene(), {});
+  confidence_ = surfel_confidence(painter, training, [&](const View& v) { return photo_srgb(inputs_.sfm, v, v.intrinsics); });
+  return *confidence_;
+}
+
 const SurfaceSampler& ExportSource::sampler() {
   if (sampler_) return *sampler_;
-  const MaterialSource surface{
-      .surfels = &diffuse(), .materials = materials(), .with_albedo = has_albedo() ? diffuse().size() : 0};
+  const MaterialSource surface{.surfels = &diffuse(),
+                               .materials = materials(),
+                               .with_albedo = has_albedo() ? diffuse().size() : 0,
+                               .confidence = confidence()};
   if (first_behind_glass() == mesh().positions.size()) {
     sampler_.emplace(surface);
     return *sampler_;

@@ -70,9 +70,9 @@ class ExportSource {
   const std::filesystem::path& sfm() const { return inputs_.sfm; }
   const std::optional<std::filesystem::path>& decompose() const { return inputs_.decompose; }
 
-  ExportFrame frame() { return frame(settings_.axes); }  // of the settings
-  ExportFrame frame(ExportAxes axes);                    // other axes, for formats that have only one
-  bool metric();                                         // lengths are metres
+  ExportFrame frame() { return frame(settings_.axes); }                 // of the settings
+  ExportFrame frame(ExportAxes axes);                                   // other axes, for formats that have only one
+  bool metric();                                                        // lengths are metres
   const std::optional<GeoOrigin>& place() { return scene_info().geo; }  // of the origin, by GPS
   // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
   std::string object_name(uint16_t id);
@@ -90,6 +90,8 @@ class ExportSource {
   bool has_albedo() const { return inputs_.decompose.has_value(); }
   // Output of the decompose stage, checked: one per diffuse surfel. Requires has_albedo().
   const DecomposedMaterials& decomposed();
+  // Of the diffuse surfels (core/render/picture/confidence.h). Empty if the training photos or their list are missing.
+  std::span<const float> confidence();
   // At the vertices of mesh().
   const std::vector<SurfaceSample>& vertex_samples();
   const PbrMesh& pbr_mesh();
@@ -118,6 +120,7 @@ class ExportSource {
   std::vector<SurfelMaterial> content_materials_;
   std::optional<DecomposedMaterials> decomposed_;
   std::optional<std::vector<SurfelMaterial>> materials_;
+  std::optional<std::vector<float>> confidence_;
   std::optional<SurfaceSampler> sampler_;  // references scene_ and materials_
   std::optional<std::vector<SurfaceSample>> vertex_samples_;
   std::optional<PbrMesh> pbr_mesh_;
