@@ -14,6 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kDielectricUpTo = kSpecularColorFactor * kDielectricF0, kMetalFrom = 0.6f;  // mean reflectance
+constexpr float kLeastMarks = 0.02f;                                                        // anisotropy that shows
 constexpr float kTrustedNormal = 0.5f;  // cosine: the normal of a surfel tilted further from the mesh is ignored
 
 uint8_t byte(float v) { return uint8_t(std::lround(255.f * std::clamp(v, 0.f, 1.f))); }
@@ -31,6 +32,7 @@ SurfelMaterial blended(std::span<const SurfaceSample> at, const std::array<uint3
     out.f0 += b[k] * m.f0;
     out.roughness += b[k] * m.roughness;
     out.transmission += b[k] * m.transmission;
+    out.marks += b[k] * m.marks;
   }
   return out;
 }
@@ -76,6 +78,16 @@ void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const Sur
   for (auto& [key, faces] : parts) out.parts.push_back({key.first, key.second, std::move(faces)});
 }
 
+// Texel of KHR_materials_anisotropy for marks in the frame of `normal` and `tangent` (zero: unknown).
+void bake_marks(const Vec3f& marks, const Vec3f& normal, const Vec3f& tangent, int x, int y, Image8& texture) {
+  const Vec3f across = cross(normal, marks);
+  const bool brushed = length(across) > kLeastMarks && tangent != Vec3f{};
+  const Vec3f unit = brushed ? normalized(across) : tangent;
+  const Vec3f values{0.5f * dot(unit, tangent) + 0.5f, 0.5f * dot(unit, cross(normal, tangent)) + 0.5f,
+                     brushed ? length(marks) : 0};
+  for (int c = 0; c < 3; ++c) texture.at(x, y, c) = byte(values[size_t(c)]);
+}
+
 void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,
           const PbrDesc& desc, PbrMesh& out) {
   const int size = atlas.size;
@@ -85,6 +97,8 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
   t.normal = Image8(size, size, 3);
   t.specular_color = Image8(size, size, 3);
   t.transmission = Image8(size, size, 1);
+  out.any_brushed = std::ranges::any_of(at_vertex, [](const auto& s) { return length(s.material.marks) > kLeastMarks; });
+  if (out.any_brushed) t.anisotropy = Image8(size, size, 3);
   const bool solid = out.has(FaceClass::SolidGlass);
   std::vector<uint8_t> thick;  // texels of solid glass
   if (solid) {
@@ -110,7 +124,8 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
     const int x = int(texel.x), y = int(texel.y);
     const bool hit = samples[i].weight > 0;
     met += hit;
-    const PbrValues p = pbr_values(hit ? samples[i].material : blended(at_vertex, mesh.faces[texel.face], texel.barycentric));
+    const SurfelMaterial m = hit ? samples[i].material : blended(at_vertex, mesh.faces[texel.face], texel.barycentric);
+    const PbrValues p = pbr_values(m);
     known[size_t(y) * size_t(size) + size_t(x)] = 1;
     for (int c = 0; c < 3; ++c) {
       t.base_color.at(x, y, c) = srgb_byte(p.base_color[size_t(c)]);
@@ -127,8 +142,9 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
     const Vec3f tangent = chart.u - dot(n, chart.u) * n;
     // Solid glass refracts at its smooth wall (find_solid_glass), so its surfel normals are ignored.
     const bool on_shell = solid && desc.solid->faces[texel.face];
-    if (!on_shell && dot(samples[i].normal, n) > kTrustedNormal && squared_length(tangent) > 1e-4f) {
-      const Vec3f unit = normalized(tangent);
+    const Vec3f unit = squared_length(tangent) > 1e-4f ? normalized(tangent) : Vec3f{};
+    if (out.any_brushed) bake_marks(m.marks, n, unit, x, y, t.anisotropy);
+    if (!on_shell && dot(samples[i].normal, n) > kTrustedNormal && unit != Vec3f{}) {
       local = {dot(samples[i].normal, unit), dot(samples[i].normal, cross(n, unit)), dot(samples[i].normal, n)};
     }
     if (on_shell) {
@@ -144,6 +160,7 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
   out.covered = texels.empty() ? 0 : double(met) / double(texels.size());
   for (Image8* image : {&t.base_color, &t.metallic_roughness, &t.normal, &t.specular_color, &t.transmission})
     fill_gaps(*image, known);
+  if (out.any_brushed) fill_gaps(t.anisotropy, known);
   if (solid) fill_gaps(t.thickness, thick);
 }
 

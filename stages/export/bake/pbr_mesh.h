@@ -8,6 +8,7 @@
 //   base colour     (1 - m) c + m R,  c = albedo (or trained colour), blended to white by the transmission: glass is untinted
 //   specular colour R / 0.2 with the factor 5 (5 x 0.04 = 0.2): the dielectric's f0 up to 0.2
 //   transmission    light that passes below the reflection: tau, with the blend rtrgs k_s tau
+//   anisotropy      strength = length of the marks; glTF stretches roughness across them (microfacet.h)
 //   roughness       r (1 - tau): glTF blurs transmission through rough glass, our transmitted rays are not blurred
 #pragma once
 
@@ -50,7 +51,8 @@ struct PbrTextures {
   Image8 normal;              // tangent space, +X right, +Y up in the texture, (n + 1) / 2
   Image8 specular_color;      // sRGB
   Image8 transmission;        // grey
-  Image8 thickness;           // grey, 255 = PbrMesh::thickness; empty without solid glass
+  Image8 anisotropy;  // direction across the marks in tangent space as (t + 1) / 2, B strength; empty where nothing is brushed
+  Image8 thickness;   // grey, 255 = PbrMesh::thickness; empty without solid glass
 };
 
 enum class FaceClass : unsigned char { Opaque, Pane, SolidGlass };
@@ -73,6 +75,7 @@ struct PbrMesh {
   std::vector<PbrPart> parts;           // by object, then by class; none is empty
   PbrTextures textures;
   bool any_specular = false;  // some f0 differs from that of plain dielectrics
+  bool any_brushed = false;   // metal with marks (textures.anisotropy)
   double covered = 0;         // share of the surface texels that meet surfels
   size_t charts = 0;
   float ior = 1.5f, thickness = 0;  // of solid glass; maximum thickness, scene units

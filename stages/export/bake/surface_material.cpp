@@ -84,6 +84,7 @@ void SurfaceSampler::Surfels::sample(std::span<const uint32_t> which, std::span<
         sum.f0 += w * m.f0;
         sum.roughness += w * m.roughness;
         sum.transmission += w * m.transmission;
+        sum.marks += w * m.marks;
         if (!source.confidence.empty()) s.confidence += w * source.confidence[h.surfel];
         const Vec3f& disk = disk_normals[h.surfel];
         s.normal += (dot(disk, directions[i]) > 0 ? -w : w) * disk;
@@ -95,7 +96,7 @@ void SurfaceSampler::Surfels::sample(std::span<const uint32_t> which, std::span<
       }
       s.weight = weight;
       s.confidence /= weight;
-      s.material = {sum.color / weight, sum.f0 / weight, sum.roughness / weight, sum.transmission / weight};
+      s.material = {sum.color / weight, sum.f0 / weight, sum.roughness / weight, sum.transmission / weight, sum.marks / weight};
       const float l = length(s.normal);
       s.normal = l > 0.1f * weight ? s.normal / l : Vec3f{};
     }
@@ -121,6 +122,7 @@ std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const 
           s.f0 += m.f0;
           s.roughness += m.roughness;
           s.transmission += m.transmission;
+          s.marks += m.marks;
           sum[v[k]].confidence += samples[from].confidence;
           ++count[v[k]];
         }
@@ -129,7 +131,7 @@ std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const 
       if (count[i] == 0) continue;
       const float n = float(count[i]);
       const SurfelMaterial& s = sum[i].material;  // roughness was initialised to 1
-      samples[i].material = {s.color / n, s.f0 / n, (s.roughness - 1) / n, s.transmission / n};
+      samples[i].material = {s.color / n, s.f0 / n, (s.roughness - 1) / n, s.transmission / n, s.marks / n};
       samples[i].confidence = sum[i].confidence / n;
       samples[i].weight = kLeastWeight;
       changed = true;

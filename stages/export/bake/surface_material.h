@@ -21,6 +21,7 @@ struct SurfelMaterial {
   Vec3f f0{};           // reflectance at normal incidence
   float roughness = 1;  // perceptual (GGX alpha = roughness^2)
   float transmission = 0;
+  Vec3f marks{};  // of brushed metal: their direction times the anisotropy (core/render/picture/decomposed_materials.h)
 };
 
 struct SurfaceSample {

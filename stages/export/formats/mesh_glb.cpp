@@ -23,7 +23,7 @@ using Json = GlbFile::Json;
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
 struct TextureIndices {
-  int base_color, metallic_roughness, normal, specular_color, transmission, thickness;
+  int base_color, metallic_roughness, normal, specular_color, transmission, thickness, anisotropy;
 };
 
 // `scale`: mesh space units per scene unit.
@@ -44,6 +44,10 @@ Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, 
     const double f0 = std::pow((ior - 1) / (ior + 1), 2),
                  factor = solid ? kSpecularColorFactor * kDielectricF0 / f0 : kSpecularColorFactor;
     for (int c = 0; c < 3; ++c) extensions["KHR_materials_specular"]["specularColorFactor"].push_back(shortest(float(factor)));
+  }
+  if (mesh.any_brushed && kind == FaceClass::Opaque) {
+    glb.use_extension("KHR_materials_anisotropy");
+    extensions["KHR_materials_anisotropy"] = {{"anisotropyStrength", 1.0}, {"anisotropyTexture", use(texture.anisotropy)}};
   }
   glb.use_extension("KHR_materials_ior");
   extensions["KHR_materials_ior"] = {{"ior", ior}};
@@ -101,6 +105,7 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   texture.metallic_roughness = glb.add_texture("metallic_roughness", png_bytes(t.metallic_roughness));
   texture.normal = glb.add_texture("normal", png_bytes(t.normal));
   if (mesh.any_specular) texture.specular_color = glb.add_texture("specular_color", png_bytes(t.specular_color));
+  if (mesh.any_brushed) texture.anisotropy = glb.add_texture("anisotropy", png_bytes(t.anisotropy));
   if (mesh.has_glass()) texture.transmission = glb.add_texture("transmission", png_bytes(t.transmission));
   if (mesh.has(FaceClass::SolidGlass)) texture.thickness = glb.add_texture("thickness", png_bytes(t.thickness));
   std::array<size_t, std::size(kFaceClasses)> material_of{};
@@ -141,7 +146,8 @@ ExportFormat mesh_glb_format() {
       .summary = "the mesh with baked materials as binary glTF 2.0, +Y up",
       .holds =
           "a node for each object; triangles, normals, tangents, texture coordinates; textures for base colour, metalness and "
-          "roughness, normals, specular colour and transmission; glass as KHR_materials_transmission, double-sided; solid glass "
+          "roughness, normals, specular colour and transmission; brushed metal as KHR_materials_anisotropy; glass as "
+          "KHR_materials_transmission, double-sided; solid glass "
           "with its thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior; "
           "the confidence of each vertex as the attribute _CONFIDENCE",
       .loses =

@@ -61,7 +61,8 @@ std::vector<SurfelMaterial> relit_materials(const DecomposedMaterials& found, La
   std::vector<SurfelMaterial> out(found.size());
   for (size_t i = 0; i < out.size(); ++i)
     out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i], found.transmission[i]),
-              found.roughness[i], transmission(blend, found.specular_weight[i], found.transmission[i])};
+              found.roughness[i], transmission(blend, found.specular_weight[i], found.transmission[i]),
+              found.marks.empty() ? Vec3f{} : found.marks[i]};
   return out;
 }
 
