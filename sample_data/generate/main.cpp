@@ -7,6 +7,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/config/cli.h"
 #include "sample_data/generate/fisheyes.h"
+#include "sample_data/generate/guest.h"
 #include "sample_data/generate/panoramas.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
@@ -14,8 +15,8 @@
 int main(int argc, char** argv) {
   using namespace vitrine;
   using namespace vitrine::generate;
-  std::string folder, size, only, camera, medium;
-  int views = 0, threads = 0, seed = 0;
+  std::string folder, size, only, camera, medium, place = "0,0,0,1";
+  int views = 0, threads = 0, seed = 0, guest = 0;
   bool help = false, bracket = false;
   GenerateDesc desc;
   std::string names;
@@ -34,6 +35,9 @@ int main(int argc, char** argv) {
   cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
   cli.value("medium", 0, "coastal|deep|green|haze", medium,
             "Water or haze before the cameras; truth/clear has the views in air.");
+  cli.value("guest", 0, "N", guest, 1, "Also the objects of seed N of the family; truth/mask/object shows them alone.");
+  cli.value("guest-place", 0, "X,Y,DEGREES,SCALE", place,
+            "Where the guest's origin stands: metres in the scene, turned about the vertical, scaled.");
   cli.flag("bracket", 0, bracket, "Exposure (+-1.5 EV) and white balance (+-800 K) of its own for each photo.");
   cli.flag("help", 'h', help, "Print this text.");
   try {
@@ -53,6 +57,7 @@ int main(int argc, char** argv) {
     desc.photos = only.empty() || only == "photos";
     desc.relit = only.empty() || only == "relit";
     Scene scene = scene_named(scenes[0], seed > 0 ? std::optional<uint64_t>(static_cast<uint64_t>(seed)) : std::nullopt);
+    if (guest > 0) add_guest(scene, scene_named(scenes[0], uint64_t(guest)), guest_place(place));
     if (views > 0 && static_cast<size_t>(views) < scene.views.size()) scene.views.resize(static_cast<size_t>(views));
     if (!size.empty()) {
       int w = 0, h = 0, end = 0;
