@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The Debian package as a user meets it: built from this checkout, read by lintian, installed into a clean root of the same release, and
-# run there on photos.
+# run there on photos; and the OCI image of that root.
 #
 #   tests/external/package.sh [ROOT]
 #
@@ -21,7 +21,7 @@ if [ -z "${VITRINE_OWN_MOUNTS:-}" ] || [ -z "${VITRINE_PACKAGE_MOUNTS:-}" ]; the
   VITRINE_OWN_MOUNTS=1 VITRINE_PACKAGE_MOUNTS=1 exec unshare --mount --propagation private bash "${BASH_SOURCE[0]}" "$@"
 fi
 source "$checkout/pipeline/setup.sh"
-install_packages "${VITRINE_PACKAGES[@]}" debootstrap lintian help2man dpkg-dev fakeroot
+install_packages "${VITRINE_PACKAGES[@]}" debootstrap buildah lintian help2man dpkg-dev fakeroot
 
 programs=(vitrine vitrine-report vitrine-farm $(sed -n 's/^set(VITRINE_\(STAGES\|TOOLS\) \([a-z ]*\))$/\2/p' "$checkout/stages/CMakeLists.txt" | tr ' ' '\n' | sed 's/^/vitrine-/'))
 build "$checkout/build" "${programs[@]}" vitrine_page
@@ -33,28 +33,18 @@ deb="$(ls "$checkout"/build/vitrine_*.deb)"
 say "lintian"
 lintian --fail-on error --allow-root "$deb"
 
-say "a clean root: $root"
-release="$(. /etc/os-release && echo "$VERSION_CODENAME")"
-mirror="$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1 || true)"
+say "a clean root with the package, and the image: $root"
 [[ "$root" != "$checkout"* ]] || fail "the root $root lies in the checkout"
-rm -rf "$root"
-debootstrap --variant=minbase "$release" "$root" "${mirror:-http://deb.debian.org/debian}" >"$root.log" 2>&1 || { tail -n 5 "$root.log" >&2; fail "debootstrap failed"; }
-rm -f "$root.log"
-cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-apt-config dump 2>/dev/null | grep -iE '^Acquire::https?::Proxy' >"$root/etc/apt/apt.conf.d/90proxy" || true
+image="$root.tar"
+"$checkout/pipeline/package/image.sh" "$deb" "$image" "$root"
 mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
-cp "$deb" "$root/tmp/"
-"$checkout/build/bin/vitrine" --version >/dev/null
 mkdir "$root/photos"
 cp "$checkout"/sample_data/cabinet/photos/*[02468].* "$root/photos/"
-inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive bash -c "$1"; }
-
-say "apt-get install ./$(basename "$deb")"
-inside "apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/$(basename "$deb") >/tmp/apt.log 2>&1 || { tail -n 20 /tmp/apt.log >&2; exit 1; }"
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 bash -c "$1"; }
 
 say "vitrine run"
-inside "{ vitrine doctor || [ $? -eq 7 ]; } && vitrine run /photos -o /out --preset preview --set optimize.iterations=60 --set refine.fine_tune.iterations=10 --no-progress"
+inside "{ vitrine doctor || [ \$? -eq 7 ]; } && vitrine run /photos -o /out --preset preview --set ingest.max_side=320 --set optimize.iterations=60 --set refine.fine_tune.iterations=10 --no-progress"
 for file in out/report.html out/mesh/mesh.ply out/view.html usr/share/man/man1/vitrine-run.1.gz usr/share/bash-completion/completions/vitrine; do
   [ -s "$root/$file" ] || fail "/$file is missing"
 done
@@ -63,4 +53,11 @@ if command -v qemu-x86_64 >/dev/null; then
   said="$(qemu-x86_64 -cpu Nehalem -L "$root" "$root/usr/lib/vitrine/vitrine" --version 2>&1)" || code=$?
   [[ $code -eq 8 && "$said" == *"no AVX2"* ]] || fail "on a processor without AVX2: exit $code, $said"
 fi
+say "the image"
+store="$(mktemp -d /var/tmp/vitrine-store.XXXXXX)"
+trap 'rm -rf --one-file-system "$store"' EXIT
+load=(buildah --root "$store/storage" --runroot "$store/run" --storage-driver vfs)
+container="$("${load[@]}" from "oci-archive:$image")"
+[[ "$("${load[@]}" run --isolation chroot "$container" -- /usr/bin/vitrine --version)" == "$("$checkout/build/bin/vitrine" --version)" ]] || fail "the image holds another version"
+[[ "$("${load[@]}" inspect --format '{{.OCIv1.Config.Entrypoint}}' "$container")" == "[/usr/bin/vitrine]" ]] || fail "the image starts something else"
 say "passed: $(basename "$deb"), $(du -h "$deb" | cut -f1)"
