@@ -8,6 +8,7 @@
 #include <csignal>
 
 #include <fcntl.h>
+#include <sys/file.h>
 
 #include "core/foundation/base/error.h"
 
@@ -24,6 +25,16 @@ int owner_of(const std::string& name) {
   int pid = 0;
   std::from_chars(name.data() + at + kTemporaryMark.size(), name.data() + name.size(), pid);
   return pid;
+}
+
+// Whether the process of the temporary folder `name` holds the lock of its key: on another machine, its id means nothing here.
+bool owner_works(const fs::path& stage, const std::string& name) {
+  const fs::path lock = stage / (name.substr(0, name.find('.')) + ".scratch") / ".lock";
+  const int fd = open(lock.c_str(), O_RDWR | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool held = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(fd);
+  return held;
 }
 
 bool alive(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EPERM); }
@@ -106,7 +117,7 @@ int ArtifactStore::sweep(std::string_view stage) const {
   int removed = 0;
   for (const fs::path& folder : folders_in(root_ / stage)) {
     const int pid = owner_of(folder.filename().string());
-    if (pid == 0 || alive(pid)) continue;
+    if (pid == 0 || alive(pid) || owner_works(root_ / stage, folder.filename().string())) continue;
     std::error_code ec;
     fs::remove_all(folder, ec);
     if (!ec) ++removed;

@@ -1,3 +1,5 @@
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -104,6 +106,25 @@ TEST(Store, AbandonedFoldersVanish) {
   PendingArtifact mine(store, "mesh", std::string(32, 'b'));
   EXPECT_EQ(store.sweep("mesh"), 1);
   EXPECT_TRUE(fs::exists(mine.path()));
+}
+
+// Process ids of another machine mean nothing here; the lock of the key does.
+TEST(Store, FoldersWhoseOwnerHoldsTheLockOfTheirKeyStay) {
+  TemporaryFolder folder;
+  ArtifactStore store(folder.path());
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);  // an id without a process
+  const fs::path pending = folder.path() / "mesh" / fmt::format("{}.tmp-{}", kKey, child);
+  make_folders(pending);
+  make_folders(store.scratch("mesh", kKey));
+  const int lock = open((store.scratch("mesh", kKey) / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+  EXPECT_EQ(store.sweep("mesh"), 0);
+  EXPECT_TRUE(fs::exists(pending));
+  close(lock);
+  EXPECT_EQ(store.sweep("mesh"), 1);
+  EXPECT_FALSE(fs::exists(pending));
 }
 
 TEST(Key, DependsOnEveryTerm) {
