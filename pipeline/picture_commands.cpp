@@ -18,7 +18,7 @@ namespace vitrine {
 namespace {
 
 struct PictureArguments : ToolOptions {
-  std::string output, views = "heldout", size;
+  std::string output, views = "heldout", size, frames;
   bool edited = false, force = false;
 };
 struct PictureTool {
@@ -74,6 +74,9 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureToo
   cli.value("views", 0, "WHICH", a.views,
             "heldout, train, all, or a camera path: a file like the scene's transforms.json, in its frame.");
   cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as in the path.");
+  cli.value("frames", 0, "A-B", a.frames,
+            "Only these of the pictures, numbered from 0: 10-19, or 7. Other machines make the others; the same command without "
+            "--frames takes what is in the store.");
   cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", tool.folder));
   add_set_option(cli, a, tool.name);
   cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", tool.folder));
@@ -85,7 +88,8 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureToo
 fs::path picture_project(const Words& rest) { return project_of(rest.empty() ? "." : rest[0]); }
 
 int run_picture_tool(const PictureTool& tool, const fs::path& project, const PictureArguments& a) {
-  const ProjectLock lock(project);
+  const bool part = !a.frames.empty();
+  const ProjectLock lock(project, part && !a.edited ? LockKind::Shared : LockKind::Exclusive);
   const fs::path there = a.edited ? edited_folder(project) : project;
   const fs::path target = result_folder(project, there, a.output);
   Words how = quietness(a);
@@ -98,6 +102,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   Words run = tool_call(tool.name, project, inputs);
   add_views(a.views, run);
   if (!a.size.empty()) add_size(a.size, run);
+  if (part) run.insert(run.end(), {"--set", "frames=" + a.frames});
   run.insert(run.end(), tool.words.begin(), tool.words.end());
   const Words work = work_words(a);
   run.insert(run.end(), work.begin(), work.end());
@@ -106,6 +111,16 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   const ToolResult result = run_tool(tool.name, project, run, how);
   if (result.exit_code != 0) return result.exit_code;
 
+  // Parts of one list fall together in the folder: none replaces another, and none is the current result.
+  if (part) {
+    publish(result.entry, result.manifest, target);
+    if (!a.quiet)
+      fmt::print(
+          "{}\nnote: these are frames {} alone; when the others are there, too, the same command without --frames takes them "
+          "all from the store{}\n",
+          (target / tool.folder).string(), a.frames, tool.name == "relight" ? ", and makes the film" : "");
+    return 0;
+  }
   // Separate records of the pictures in the project and in PROJECT/edited.
   const std::string role = a.edited ? tool.name + "-edited" : tool.name;
   ArtifactStore store(store_of(project));

@@ -81,12 +81,12 @@ fs::path result_folder(const fs::path& project, const fs::path& there, const std
   return folder;
 }
 
-ProjectLock::ProjectLock(const fs::path& project) {
+ProjectLock::ProjectLock(const fs::path& project, LockKind kind) : kind_(kind) {
   const fs::path file = project / ".lock";
   fd_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (fd_ < 0) throw_write_error(file, errno);
   char owner[256] = {};
-  if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+  if (flock(fd_, (kind == LockKind::Shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     const int saved = errno;
     const ssize_t n = pread(fd_, owner, sizeof owner - 1, 0);
     close(fd_);
@@ -98,10 +98,11 @@ ProjectLock::ProjectLock(const fs::path& project) {
                    .code = "NO_LOCKS"});
     throw Error(ErrorKind::Locked, "another run works in this folder",
                 {.where = project.string(),
-                 .why = n > 0 ? std::string("it is ") + owner : std::string("it has just started"),
+                 .why = n > 0 ? std::string("it is ") + owner : std::string("it has just started, or computes single frames"),
                  .hint = "wait for it, stop it, or choose another folder with -o",
                  .code = "LOCKED"});
   }
+  if (kind == LockKind::Shared) return;  // without a name: several hold it
   if (pread(fd_, owner, sizeof owner - 1, 0) > 0) log_info("note: taking over the folder from a run that was killed ({})", owner);
   char host[128] = "unknown host";
   gethostname(host, sizeof host - 1);
@@ -115,7 +116,7 @@ ProjectLock::ProjectLock(const fs::path& project) {
 
 ProjectLock::~ProjectLock() {
   // An empty file marks a regular end. It is not removed: another process may wait on this inode.
-  if (ftruncate(fd_, 0) == 0) fsync(fd_);
+  if (kind_ == LockKind::Exclusive && ftruncate(fd_, 0) == 0) fsync(fd_);
   close(fd_);
 }
 

@@ -29,16 +29,19 @@ bool settings_untouched(const fs::path& project);
 fs::path result_folder(const fs::path& project, const fs::path& there, const std::string& target);
 
 // Lock of an output folder during a run; the system releases it when the process ends. Throws Error{Locked} with the owner's pid
-// and host if another run holds it. A stale lock of a killed run is taken over with a note.
+// and host if another run holds it. A stale lock of a killed run is taken over with a note. Shared: several processes, also on
+// other machines, that read the current artifacts and add to the store.
+enum class LockKind { Exclusive, Shared };
 class ProjectLock {
  public:
-  explicit ProjectLock(const fs::path& project);
+  explicit ProjectLock(const fs::path& project, LockKind kind = LockKind::Exclusive);
   ~ProjectLock();
   ProjectLock(const ProjectLock&) = delete;
   ProjectLock& operator=(const ProjectLock&) = delete;
 
  private:
   int fd_ = -1;
+  LockKind kind_;
 };
 
 // PROJECT/export has two writers: `vitrine run` links the files of its export stage, `vitrine export` adds formats or options on

@@ -10,6 +10,7 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/rng.h"
 #include "core/foundation/config/photo_name_finder.h"
+#include "core/render/picture/picture_frames.h"
 #include "core/render/relight/relit_painter.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/contact_sheet.h"
@@ -160,8 +161,35 @@ void write_film(const fs::path& ffmpeg, const fs::path& folder, const fs::path& 
         {.where = film.string(), .why = r.tail, .hint = "the frames are fine: make the film by hand", .code = "FFMPEG_FAILED"});
 }
 
+// `stem`: path without extension. Linear radiance, and the developed picture.
+void write_picture(const RelitPicture& picture, double exposure, const fs::path& stem) {
+  make_folders(stem.parent_path());
+  write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
+  write_ldr(fs::path(stem.string() + ".png"), developed(picture.radiance, exposure));
+}
+
+// Of all pictures. Returns the name of the film; empty if there is none.
+std::string write_sheet_and_film(const RelightConfig& config, const std::vector<View>& views, const fs::path& out,
+                                 StageContext& context) {
+  ContactSheet sheet(4);
+  for (size_t i = 0; i < std::min(views.size(), kSheetCells); ++i)
+    sheet.add(views[i].stem(), read_srgb8(out / (views[i].stem() + ".png")));
+  sheet.write(out / "contact_sheet.png");
+  if (config.turntable == 0 && config.views != ViewChoice::Path) return "";
+  const auto ffmpeg = find_program("ffmpeg");
+  if (!ffmpeg) {
+    context.warning("NO_FFMPEG", "ffmpeg is not installed: the frames are there, but no film");
+    return "";
+  }
+  const std::string film = config.turntable > 0 ? "turntable.mp4" : "path.mp4";
+  write_film(*ffmpeg, out, out / film, config.frame_rate);
+  return film;
+}
+
 std::string problem_of(const RelightConfig& c) {
   if (!c.over.empty() && (c.turntable > 0 || c.views == ViewChoice::Path)) return "a picture over a photo has the photo's camera";
+  if (!c.over.empty() && !c.frames.empty()) return "a picture over a photo is one picture: it has no frames";
+  if (const std::string problem = frames_problem(c.frames); !problem.empty()) return problem;
   return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
 }
 
@@ -221,6 +249,7 @@ void describe(Describer& d, RelightConfig& c) {
            "Develop the PNG so that the surfaces of the scene are middle grey in the mean, whatever the units of the map.");
   d.option("exposure", c.exposure, "Stops that the PNG are brighter than the EXR, or than auto_exposure makes them.")
       .range(-30, 30);
+  d.option("frames", c.frames, "Only these of the pictures, numbered from 0: 10-19, or 7; without a film; empty = all.");
   d.option("frame_rate", c.frame_rate, "Frames a second of the film of a turntable or path.").range(1, 240);
 }
 
@@ -231,7 +260,8 @@ void run_relight(const RelightConfig& config, StageContext& context) {
     throw Error(
         ErrorKind::Input, "there is no guest to put over a photo",
         {.why = "the scene is no composition", .hint = "vitrine compose SCENE.yaml -o DIR, then that DIR", .code = "NO_GUEST"});
-  const std::vector<View> all_views = over ? std::vector<View>{} : chosen_views(config, context);
+  std::vector<View> views = over ? std::vector<View>{} : chosen_views(config, context);
+  const FrameRange frames = over ? FrameRange{} : frames_of(config.frames, views.size());
   const GuestDesc guest = over ? photo_of_host(config, context) : GuestDesc{};
   RelitScene scene = read_relit_scene({.optimize = context.input("optimize"),
                                        .refine = context.optional_input("refine"),
@@ -253,49 +283,37 @@ void run_relight(const RelightConfig& config, StageContext& context) {
   check_shadows(lighting, painter.lit(), context);
 
   const double exposure = config.exposure + (config.auto_exposure ? exposure_of_scene(painter.lit()) : 0);
-  std::vector<View> views = all_views;
-  const fs::path out = context.output() / "relit" / label_of(environment, context.optional_input("lights"));
+  const std::string folder = "relit/" + label_of(environment, context.optional_input("lights"));
+  const fs::path out = context.output() / folder;
   make_folders(out);
-  ContactSheet sheet(4);
-  for (size_t i = 0; i < views.size(); ++i) {
+  const StoredFrames stored(context.scratch(), config.frames);
+  for (size_t i = frames.first; i <= frames.last; ++i) {
     throw_if_interrupted();
-    const std::string text = fmt::format("view {}/{}", i + 1, views.size());
-    const RelitPicture picture = painter.picture(
-        views[i],
-        {.samples = config.samples, .seed = mix64(static_cast<uint64_t>(config.seed), i), .progress = [&](double share) {
-           context.progress({.fraction = (double(i) + share) / double(views.size()), .text = text, .values = {}});
-         }});
-    const fs::path stem = out / views[i].stem();
-    make_folders(stem.parent_path());
-    write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
-    const Image8 png = developed(picture.radiance, exposure);
-    write_ldr(fs::path(stem.string() + ".png"), png);
-    if (i < kSheetCells) sheet.add(views[i].stem(), png);
-    views[i].name = views[i].stem() + ".png";
+    const double done = double(i - frames.first), count = double(frames.count());
+    const std::string text = fmt::format("view {}/{}", i - frames.first + 1, frames.count());
+    const auto report = [&](double share) { context.progress({.fraction = (done + share) / count, .text = text, .values = {}}); };
+    if (!stored.take(folder, views[i].stem(), context.output()))
+      write_picture(
+          painter.picture(views[i],
+                          {.samples = config.samples, .seed = mix64(static_cast<uint64_t>(config.seed), i), .progress = report}),
+          exposure, out / views[i].stem());
+    report(1);
   }
-  sheet.write(out / "contact_sheet.png");
-  write_transforms_json(out / "transforms.json", views, ".");
+  const std::string film = config.frames.empty() ? write_sheet_and_film(config, views, out, context) : "";
   write_settings(out / "settings.json", config, exposure, lighting, solid_glass);
-  std::string film;
-  if (config.turntable > 0 || config.views == ViewChoice::Path) {
-    if (const auto ffmpeg = find_program("ffmpeg")) {
-      film = config.turntable > 0 ? "turntable.mp4" : "path.mp4";
-      write_film(*ffmpeg, out, out / film, config.frame_rate);
-    } else {
-      context.warning("NO_FFMPEG", "ffmpeg is not installed: the frames are there, but no film");
-    }
-  }
-  context.metric("views", double(views.size()));
+  for (View& v : views) v.name = v.stem() + ".png";
+  write_transforms_json(out / "transforms.json", views, ".");
+  context.metric("views", double(frames.count()));
   const Intrinsics& k = views[0].intrinsics;
-  context.summary(fmt::format("{} {} of {}x{} at {} spp{}{}", views.size(), views.size() == 1 ? "picture" : "pictures", k.width,
-                              k.height, config.samples, film.empty() ? "" : ", " + film,
+  context.summary(fmt::format("{} {} of {}x{} at {} spp{}{}{}", frames.count(), frames.count() == 1 ? "picture" : "pictures",
+                              k.width, k.height, config.samples, part_text(frames, views.size()), film.empty() ? "" : ", " + film,
                               glass ? "; glass: its inside is relit approximately" : ""));
 }
 
 Stage relight_stage() {
   StageInfo info{
       .name = "relight",
-      .version = 12,
+      .version = 13,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -27,6 +27,7 @@ struct RelightConfig {
   double rotate = 0, exposure = 0;
   bool auto_exposure = true;
   double frame_rate = 25;
+  std::string frames = {};  // "10-19": a part of the pictures
   std::string over = {};  // name of a photo of the composition's host; empty: pictures of the whole scene
 };
 void describe(Describer& d, RelightConfig& c);

@@ -8,6 +8,7 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/config/json_file.h"
 #include "core/render/picture/panorama_picture.h"
+#include "core/render/picture/picture_frames.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/render/picture/view_picture.h"
 #include "core/scene/camera/view_set.h"
@@ -21,7 +22,7 @@ std::string problem_of(const RenderConfig& c) {
   if ((c.width == 0) != (c.height == 0)) return "width and height must be given together";
   if (c.camera == RenderCamera::Equirect && c.width != 2 * c.height)
     return "an equirectangular picture is twice as wide as high: width must be 2 x height";
-  return "";
+  return frames_problem(c.frames);
 }
 
 // One upright panorama for each place: views that share a centre, as those cut from one panorama, would show the same. Frames of
@@ -42,6 +43,20 @@ std::vector<View> panorama_views(const RenderConfig& config, const std::vector<V
   return out;
 }
 
+// Writes the picture and its layers below `out`.
+void write_picture(const ViewPicture& picture, const std::string& stem, const fs::path& out) {
+  const fs::path file = out / (stem + ".png");
+  make_folders(file.parent_path());
+  Image8 bytes(picture.srgb.width(), picture.srgb.height(), 3);
+  std::ranges::transform(picture.srgb.data(), bytes.data().begin(), [](float v) { return uint8_t(v * 255 + 0.5f); });
+  write_ldr(file, bytes);
+  for (const PictureLayer& layer : picture.layers) {
+    const fs::path exr = out / "layers" / layer.name / (stem + ".exr");
+    make_folders(exr.parent_path());
+    write_exr(exr, layer.map);
+  }
+}
+
 // The word of nerfstudio.
 void name_camera_model(const fs::path& path, const char* model) {
   nlohmann::json cameras = nlohmann::json::parse(read_file(path));
@@ -60,6 +75,7 @@ void describe(Describer& d, RenderConfig& c) {
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as in the path.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
+  d.option("frames", c.frames, "Only these of the pictures, numbered from 0: 10-19, or 7; empty = all.");
   d.choice("backend", c.backend, {"reference", "cpu"}, "Renderer: cpu, or reference (slow, double precision).");
 }
 
@@ -72,41 +88,37 @@ void run_render(const RenderConfig& config, StageContext& context) {
                                            .width = equirect ? 0 : config.width,
                                            .height = equirect ? 0 : config.height});
   if (equirect) views = panorama_views(config, views);
+  const FrameRange frames = frames_of(config.frames, views.size());
+  const StoredFrames stored(context.scratch(), config.frames);
   ScenePainter painter(
       read_trained_scene(context.input("optimize"), context.optional_input("refine")),
       {.backend = config.backend, .layers = config.layers, .samples = config.samples, .medium = !config.without_medium});
   const fs::path out = context.output() / "render";
-  for (size_t i = 0; i < views.size(); ++i) {
+  for (size_t i = frames.first; i <= frames.last; ++i) {
     throw_if_interrupted();
-    const ViewPicture picture =
-        equirect ? panorama_picture(painter, views[i], views[i].intrinsics.width) : painter.picture(views[i]);
-    const fs::path file = out / (views[i].stem() + ".png");
-    make_folders(file.parent_path());
-    Image8 bytes(picture.srgb.width(), picture.srgb.height(), 3);
-    std::ranges::transform(picture.srgb.data(), bytes.data().begin(), [](float v) { return uint8_t(v * 255 + 0.5f); });
-    write_ldr(file, bytes);
-    for (const PictureLayer& layer : picture.layers) {
-      const fs::path exr = out / "layers" / layer.name / (views[i].stem() + ".exr");
-      make_folders(exr.parent_path());
-      write_exr(exr, layer.map);
-    }
-    views[i].name = views[i].stem() + ".png";
-    context.progress(
-        {.fraction = double(i + 1) / double(views.size()), .text = fmt::format("view {}/{}", i + 1, views.size()), .values = {}});
+    const std::string stem = views[i].stem();
+    if (!stored.take("render", stem, context.output()))
+      write_picture(equirect ? panorama_picture(painter, views[i], views[i].intrinsics.width) : painter.picture(views[i]), stem,
+                    out);
+    const size_t done = i - frames.first + 1;
+    context.progress({.fraction = double(done) / double(frames.count()),
+                      .text = fmt::format("view {}/{}", done, frames.count()),
+                      .values = {}});
   }
+  for (View& v : views) v.name = v.stem() + ".png";
   write_transforms_json(out / "transforms.json", views, ".");
   if (equirect) name_camera_model(out / "transforms.json", "EQUIRECTANGULAR");
-  context.metric("views", double(views.size()));
+  context.metric("views", double(frames.count()));
   const Intrinsics& k = views[0].intrinsics;
-  context.summary(fmt::format("{} {}{} of {}x{}{}", views.size(), equirect ? "equirectangular " : "",
-                              views.size() == 1 ? "picture" : "pictures", k.width, k.height,
-                              config.layers ? ", with layers" : ""));
+  context.summary(fmt::format("{} {}{} of {}x{}{}{}", frames.count(), equirect ? "equirectangular " : "",
+                              frames.count() == 1 ? "picture" : "pictures", k.width, k.height,
+                              config.layers ? ", with layers" : "", part_text(frames, views.size())));
 }
 
 Stage render_stage() {
   StageInfo info{
       .name = "render",
-      .version = 8,
+      .version = 9,
       .summary = "pictures of a trained scene from any camera",
       .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

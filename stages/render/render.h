@@ -1,8 +1,10 @@
 // render: pictures of a trained scene and their layers, from the cameras of the photos or along a path. Started by `vitrine
 // render`; not part of the graph of `vitrine run`, since no stage reads its pictures.
 //   reads   sfm/{sparse,gains}, gaussians/*.ply, optimize/views.json, optional path (transforms.json)
-//   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
+//   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (all cameras)
 #pragma once
+
+#include <string>
 
 #include "core/render/picture/picture_views.h"
 #include "core/render/raster/renderer.h"
@@ -19,6 +21,7 @@ struct RenderConfig {
   bool layers = false;
   bool without_medium = false;
   int width = 0, height = 0, samples = 0;
+  std::string frames = {};  // "10-19": a part of the pictures
   Backend backend = Backend::Cpu;
 };
 void describe(Describer& d, RenderConfig& c);

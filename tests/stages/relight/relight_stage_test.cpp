@@ -7,6 +7,7 @@
 #include "core/render/picture/decomposed_materials.h"
 #include "tests/core/render/relight/relit_ball.h"
 #include "tests/support/error_of.h"
+#include "tests/support/files_below.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
 
@@ -132,6 +133,25 @@ TEST_F(RelightStage, ATurntableGoesAroundWhatThePhotosLookAt) {
   RecordingContext context(inputs({{"env", probe()}}));
   run_relight({.turntable = 3, .width = 16, .height = 12, .samples = 1}, context);
   EXPECT_TRUE(fs::exists(context.output() / "relit/probe/frame_0002.png"));
+}
+
+TEST_F(RelightStage, PartsOfATurntableAreTheFramesOfTheWhole) {
+  const auto files_of = [&](const std::string& frames) {
+    RecordingContext context(inputs({{"env", probe()}}));
+    run_relight({.turntable = 5, .width = 16, .height = 12, .samples = 2, .frames = frames}, context);
+    return test::files_below(context.output());
+  };
+  const auto first = files_of("0-1"), last = files_of("2-4");
+  auto whole = files_of("");
+  for (const char* of_all : {"relit/probe/contact_sheet.png", "relit/probe/turntable.mp4"}) whole.erase(of_all);
+  EXPECT_TRUE(last.contains("relit/probe/frame_0004.exr"));
+  EXPECT_FALSE(first.contains("relit/probe/frame_0002.png"));
+  auto both = first;
+  both.insert(last.begin(), last.end());
+  EXPECT_EQ(both, whole);
+  for (const char* shared : {"relit/probe/transforms.json", "relit/probe/settings.json"})
+    EXPECT_EQ(first.at(shared), last.at(shared)) << "no clash in one folder";
+  EXPECT_EQ(error_with({}, {.turntable = 5, .samples = 1, .frames = "3-5"}).detail().code, "NO_FRAME");
 }
 
 TEST_F(RelightStage, LampsAloneLightTheScene) {

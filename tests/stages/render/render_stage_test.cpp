@@ -8,6 +8,7 @@
 #include "core/render/picture/trained_scene.h"
 #include "core/scene/image/metrics.h"
 #include "tests/support/error_of.h"
+#include "tests/support/files_below.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
 
@@ -110,6 +111,25 @@ TEST(RenderStage, APathIsRenderedWithItsOwnCameras) {
   const std::vector<View> written = read_transforms_json(out / "transforms.json");
   EXPECT_EQ(written[0].name, "frame_0000.png");
   EXPECT_LT(length(written[0].centre_in_world() - capture.views[3].centre_in_world()), 1e-9);
+}
+
+TEST(RenderStage, PartsAreTheFramesOfTheWhole) {
+  const TinyCapture capture;
+  const auto files_of = [&](const std::string& frames) {
+    RecordingContext context(inputs(capture));
+    run_render({.views = ViewChoice::All, .layers = true, .width = 32, .height = 24, .frames = frames}, context);
+    return test::files_below(context.output());
+  };
+  const auto whole = files_of(""), first = files_of("0-2"), last = files_of("3-7");
+  EXPECT_TRUE(first.contains("render/layers/depth/view_2.exr"));
+  EXPECT_FALSE(first.contains("render/view_3.png"));
+  auto both = first;
+  both.insert(last.begin(), last.end());
+  EXPECT_EQ(both, whole);
+  EXPECT_EQ(first.at("render/transforms.json"), whole.at("render/transforms.json")) << "no clash in one folder";
+  RecordingContext context(inputs(capture));
+  EXPECT_EQ(error_of([&] { run_render({.frames = "1"}, context); }).detail().code, "NO_FRAME");
+  EXPECT_FALSE(fs::exists(context.output() / "render"));
 }
 
 TEST(RenderStage, AnotherSizeKeepsPixelsSquareAndTheMiddleInPlace) {
