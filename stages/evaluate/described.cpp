@@ -26,6 +26,8 @@ void describe(Describer& d, EvaluateConfig& c) {
   d.option("relit_samples", c.relit_samples, "Samples of a pixel under the truth's other lights; 0 = not measured.")
       .range(0, 4096);
   d.option("relit_views", c.relit_views, "Views to look at under each of the truth's other lights.").range(1, 10000);
+  d.option("lpips", c.lpips,
+           "safetensors file with VGG16 and the weights of LPIPS (core/learn/loss/README.md); empty = LPIPS is not measured.");
   d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
       .range(1e-6, 1);
 }
@@ -33,7 +35,7 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 31;
+  info.version = 32;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {
       {.name = "sfm", .doc = "cameras, gains and undistorted photos"},

@@ -8,6 +8,7 @@
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/math/quantile.h"
+#include "core/learn/loss/lpips.h"
 #include "core/render/picture/confidence.h"
 #include "core/render/picture/surfel_colors.h"
 #include "core/render/picture/trained_scene.h"
@@ -46,6 +47,7 @@ class Evaluator {
         painter_(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
                  {.backend = config.backend, .layers = true, .samples = config.samples, .medium = true}),
         layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {
+    if (!config.lpips.empty()) lpips_.emplace(config.lpips);
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
     for (LayerKind kind : kAllLayers) result_.surfels += painter_.surfels().layer(kind).size();
@@ -168,6 +170,7 @@ class Evaluator {
     score.name = view.name, score.heldout = heldout;
     score.psnr = psnr(render.srgb, photo, within), score.ssim = ssim(render.srgb, photo, within);
     score.flip = flip(render.srgb, photo, within);
+    if (lpips_) score.lpips = lpips_->distance(render.srgb, photo);
     if (result_.views.empty()) result_.resolution = render.intrinsics;
     RegionMasks masks = regions_->of(index, view, render.intrinsics);
     if (judged)
@@ -412,6 +415,7 @@ class Evaluator {
   ConfidenceSamples confidence_samples_;
   ScenePainter painter_;
   bool layered_;  // true if there are layers other than the diffuse one
+  std::optional<Lpips> lpips_;
   std::optional<fs::path> masks_;
   LabelledObjects objects_, known_;  // known_: without guessed objects; source of the surfels' ids
   ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, known_.objects()};

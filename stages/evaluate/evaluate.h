@@ -20,6 +20,7 @@ struct EvaluateConfig {
   int relit_samples = 32;
   int relit_views = 4;
   double mesh_threshold_rel = 0.01;
+  std::string lpips;
   // Not options; tests set them.
   int min_region_pixels = 64;  // minimum pixels of a region in a counted view
   int mesh_samples = 100'000;  // points sampled per mesh

@@ -213,11 +213,14 @@ std::optional<double> mean_relit_psnr(const TruthScores& t) {
 }
 
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout) {
-  std::vector<double> psnr, ssim, flip;
+  std::vector<double> psnr, ssim, flip, lpips;
   for (const ViewScore& v : e.views)
-    if (v.heldout == heldout) psnr.push_back(v.psnr), ssim.push_back(v.ssim), flip.push_back(v.flip);
+    if (v.heldout == heldout) {
+      psnr.push_back(v.psnr), ssim.push_back(v.ssim), flip.push_back(v.flip);
+      if (v.lpips) lpips.push_back(*v.lpips);
+    }
   if (psnr.empty()) return std::nullopt;
-  return MeanScore{mean(psnr), mean(ssim), mean(flip), psnr.size()};
+  return MeanScore{mean(psnr), mean(ssim), mean(flip), lpips.empty() ? std::nullopt : std::optional(mean(lpips)), psnr.size()};
 }
 
 const ViewScore* strongest_neutral_shift(const Evaluation& e) {
@@ -231,8 +234,10 @@ std::string metrics_json(const Evaluation& e) {
   Json j;
   j["format"] = "vitrine-metrics 1";
   for (const auto& [key, heldout] : {std::pair{"heldout", true}, {"train", false}})
-    if (const auto m = mean_score(e, heldout))
+    if (const auto m = mean_score(e, heldout)) {
       j[key] = {{"psnr", m->psnr}, {"ssim", m->ssim}, {"flip", m->flip}, {"views", m->views}};
+      if (m->lpips) j[key]["lpips"] = *m->lpips;
+    }
   Json regions = Json::object();
   for (std::string_view region : kRegions)
     if (Json score = heldout_score(e, [&](const ViewScore& v) { return found(v.regions, std::string(region)); }); !score.empty())
@@ -270,14 +275,15 @@ std::string metrics_json(const Evaluation& e) {
 }
 
 std::string per_view_csv(const Evaluation& e) {
-  std::string csv = "name,set,psnr,ssim,flip";
+  std::string csv = "name,set,psnr,ssim,flip,lpips";
   for (std::string_view region : kRegions) csv += fmt::format(",psnr_{}", region);
   csv += ",rotation_deg,centre_rel,normal_mae_deg,depth_rel,neutral_shift\n";
   const auto number = [](std::optional<double> v) {
     return v && std::isfinite(*v) ? fmt::format(",{:.6g}", *v) : std::string(",");
   };
   for (const ViewScore& v : e.views) {
-    csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim) + number(v.flip);
+    csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim) + number(v.flip) +
+           number(v.lpips);
     for (std::string_view region : kRegions) {
       const RegionError* error = found(v.regions, std::string(region));
       csv += number(error != nullptr ? std::optional(error->squared.psnr()) : std::nullopt);

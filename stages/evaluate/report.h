@@ -26,6 +26,7 @@ struct ViewScore {
   std::string name;
   bool heldout = false;
   double psnr = 0, ssim = 0, flip = 0;
+  std::optional<double> lpips;  // with weights (core/learn/loss/lpips.h)
   RegionErrors regions;
   std::map<uint16_t, RegionError> objects;  // by id in the table of objects
   std::optional<PoseError> pose;
@@ -73,6 +74,7 @@ struct Evaluation {
 
 struct MeanScore {
   double psnr = 0, ssim = 0, flip = 0;
+  std::optional<double> lpips;
   size_t views = 0;
 };
 // Mean over the environments; nullopt without any.

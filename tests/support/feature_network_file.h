@@ -28,7 +28,9 @@ inline std::vector<NetworkLayer> small_network(uint64_t seed = 1) {
   return layers;
 }
 
-inline void write_network(const fs::path& path, const std::vector<NetworkLayer>& layers) {
+// `heads`: weights of LPIPS for the channels of each feature.
+inline void write_network(const fs::path& path, const std::vector<NetworkLayer>& layers,
+                          const std::vector<std::vector<float>>& heads = {}) {
   std::string header =
                   R"({"__metadata__":{"format":"pt"},"classifier.0.weight":{"dtype":"F16","shape":[1],"data_offsets":[0,2]})",
               data;
@@ -40,6 +42,11 @@ inline void write_network(const fs::path& path, const std::vector<NetworkLayer>&
                             data.size(), data.size() + 4 * values.size());
       data.append(reinterpret_cast<const char*>(values.data()), 4 * values.size());
     }
+  for (size_t t = 0; t < heads.size(); ++t) {
+    header += fmt::format(R"(,"lin{}.model.1.weight":{{"dtype":"F32","shape":[1,{},1,1],"data_offsets":[{},{}]}})", t,
+                          heads[t].size(), data.size(), data.size() + 4 * heads[t].size());
+    data.append(reinterpret_cast<const char*>(heads[t].data()), 4 * heads[t].size());
+  }
   header += "}";
   std::string length(8, '\0');
   for (size_t i = 0; i < 8; ++i) length[i] = char(header.size() >> (8 * i) & 255);

@@ -10,6 +10,7 @@
 #include "core/scene/image/metrics.h"
 #include "tests/stages/evaluate/metrics_of.h"
 #include "tests/support/error_of.h"
+#include "tests/support/feature_network_file.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
 #include "tests/support/written_objects.h"
@@ -33,12 +34,32 @@ TEST(EvaluateStage, TrueSceneScoresAbove45Decibels) {
   EXPECT_EQ(m["heldout"]["views"], 1);
   EXPECT_EQ(m["train"]["views"], 7);
   EXPECT_EQ(m["resolution"]["width"], TinyCapture::kWidth);
+  EXPECT_FALSE(m["heldout"].contains("lpips"));  // without weights
   EXPECT_FALSE(m.contains("truth"));
   EXPECT_FALSE(m.contains("regions"));
   for (const char* file : {"view_0_gt.png", "view_0_pred.png", "view_0_err.png", "contact_sheet.jpg", "per_view.csv"})
     EXPECT_TRUE(fs::exists(context.output() / "eval" / file)) << file;
   EXPECT_FALSE(fs::exists(context.output() / "eval/view_1_gt.png"));  // a training view
   EXPECT_EQ(context.metrics.at("heldout.psnr"), m["heldout"]["psnr"].get<double>());
+}
+
+TEST(EvaluateStage, LpipsIsMeasuredWithWeights) {
+  const TinyCapture capture;
+  const TemporaryFolder folder;
+  const auto layers = vitrine::testing::small_network();
+  vitrine::testing::write_network(folder.path() / "lpips.safetensors", layers,
+                                  {std::vector<float>(size_t(layers[1].out), 1), std::vector<float>(size_t(layers[2].out), 1)});
+  RecordingContext context(capture.inputs(false));
+  EvaluateConfig config = quick();
+  config.lpips = (folder.path() / "lpips.safetensors").string();
+  const json right = metrics_of(context, config);
+  SplatLayer grey = capture.layer;
+  for (size_t i = 0; i < grey.size(); ++i) std::fill_n(grey.at(Attribute::ShDc, i), 3, 0.f);
+  write_layer(capture.optimize() / "gaussians/diffuse.ply", grey);
+  RecordingContext without(capture.inputs(false));
+  const json wrong = metrics_of(without, config);
+  EXPECT_LT(right["heldout"]["lpips"].get<double>(), 0.3 * wrong["heldout"]["lpips"].get<double>());
+  EXPECT_GT(right["train"]["lpips"].get<double>(), 0);
 }
 
 // Colours of one side that photos do not have: training photos know it, and held-out ones see it.

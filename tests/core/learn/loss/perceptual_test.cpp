@@ -4,6 +4,7 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/learn/loss/feature_network.h"
+#include "core/learn/loss/lpips.h"
 #include "tests/core/learn/loss/test_frame.h"
 #include "tests/support/error_of.h"
 #include "tests/support/feature_network_file.h"
@@ -162,6 +163,61 @@ TEST(PerceptualLoss, SameBitsForAnyNumberOfThreads) {
   };
   EXPECT_EQ(run(1), run(2));
   EXPECT_EQ(run(1), run(5));
+}
+
+const std::vector<std::vector<float>> kHeads = {{0.5f, 0, 1, 2, 0.25f, 0, 3, 1}, {1, 0.1f, 0, 2, 4, 0.7f}};
+
+ImageF picture(int w, int h, uint64_t seed) {
+  ImageF out(w, h, 3);
+  Rng rng(seed);
+  for (float& v : out.data()) v = rng.uniform();
+  return out;
+}
+
+std::vector<double> planes_of(const ImageF& picture) {
+  std::vector<double> out;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < picture.height(); ++y)
+      for (int x = 0; x < picture.width(); ++x) out.push_back(double(picture.at(x, y, c)));
+  return out;
+}
+
+TEST(Lpips, IsTheWeightedDistanceOfTheFeaturesOfAPlainNetwork) {
+  const TemporaryFolder folder;
+  const std::vector<NetworkLayer> layers = small_network();
+  write_network(folder.path() / "lpips.safetensors", layers, kHeads);
+  constexpr int w = 13, h = 10;
+  const ImageF a = picture(w, h, 3), b = picture(w, h, 4);
+  const auto fa = plain_features(layers, planes_of(a), w, h), fb = plain_features(layers, planes_of(b), w, h);
+  double expected = 0;
+  for (size_t t = 0; t < fa.size(); ++t) {
+    const size_t channels = size_t(fa[t].c);
+    double sum = 0;
+    for (size_t p = 0; p < fa[t].v.size(); p += channels) {
+      double aa = 0, bb = 0;
+      for (size_t c = 0; c < channels; ++c) aa += std::pow(fa[t].v[p + c], 2), bb += std::pow(fb[t].v[p + c], 2);
+      for (size_t c = 0; c < channels; ++c)
+        sum += double(kHeads[t][c]) *
+               std::pow(fa[t].v[p + c] / (std::sqrt(aa) + 1e-10) - fb[t].v[p + c] / (std::sqrt(bb) + 1e-10), 2);
+    }
+    expected += sum / (double(fa[t].w) * fa[t].h);
+  }
+  Lpips lpips(folder.path() / "lpips.safetensors");
+  EXPECT_GT(expected, 0.1);
+  EXPECT_NEAR(lpips.distance(a, b), expected, 1e-4 * expected);
+  EXPECT_LT(lpips.distance(a, a), 1e-20);
+}
+
+TEST(Lpips, FilesWithoutItsWeightsAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "lpips.safetensors";
+  const auto complaint = [&] { return std::string(error_of([&] { Lpips lpips(path); }).what()); };
+  write_network(path, small_network());
+  EXPECT_NE(complaint().find("lin0.model.1.weight is missing"), std::string::npos) << complaint();
+  write_network(path, small_network(), {kHeads[0]});
+  EXPECT_NE(complaint().find("lin1.model.1.weight is missing"), std::string::npos) << complaint();
+  write_network(path, small_network(), {kHeads[1], kHeads[1]});
+  EXPECT_NE(complaint().find("has 6 values for 8 channels"), std::string::npos) << complaint();
 }
 
 TEST(PerceptualLoss, FilesThatAreNoNetworkAreTold) {
