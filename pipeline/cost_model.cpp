@@ -12,13 +12,6 @@
 
 namespace vitrine {
 
-namespace {
-// Usual error factor of the estimates (README.md, "What a run costs").
-constexpr double kUncertain = 1.3;
-// The texture is unknown here; inspect measures 0.3 to 0.6 in ordinary photos.
-constexpr double kUsualTexture = 0.4;
-}  // namespace
-
 void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize& capture) {
   const auto [shorter, longer] = upper_median(std::move(sides));
   capture.longest_px = longer;
@@ -98,7 +91,7 @@ Preflight preflight(const std::vector<const StageNode*>& stages, const Settings&
       p.hungriest = stage->name;
     }
   }
-  if (double(p.disk_bytes) > kUncertain * double(there.disk_bytes))
+  if (double(p.disk_bytes) > kUsualCostError * double(there.disk_bytes))
     throw Error(ErrorKind::Resource, "the disk is too small for the results",
                 {.where = bytes_text(there.disk_bytes) + " are free",
                  .why = fmt::format("the stages to come write about {}", bytes_text(p.disk_bytes)),

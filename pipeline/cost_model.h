@@ -14,6 +14,11 @@
 
 namespace vitrine {
 
+// Usual error factor of the estimates (README.md, "What a run costs").
+inline constexpr double kUsualCostError = 1.3;
+// Texture of a capture before it is measured; inspect measures 0.3 to 0.6 in ordinary photos.
+inline constexpr double kUsualTexture = 0.4;
+
 // Sets the size of a typical photo: the median one. `sides`: shorter and longer side of each photo, not empty.
 void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize& capture);
 // True if a run with these settings gets masks from the user.

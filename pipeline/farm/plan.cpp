@@ -15,12 +15,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kReserve = 1.3;       // the usual error of the estimates
-constexpr double kUsualTexture = 0.4;  // as before ingest (pipeline/cost_model.cpp)
 constexpr size_t kLeastMemory = size_t(1) << 30;
 constexpr size_t kProbed = 8;  // photos whose size is read
 constexpr size_t kHeaderBytes = 1 << 16;
-constexpr size_t kFilmPhotos = 120;  // of films: the default of ingest.frames
 
 bool is_folder(const fs::path& path) {
   std::error_code ec;
@@ -35,7 +32,8 @@ Words options_beside(const fs::path& capture) {
   return {};
 }
 
-CaptureSize size_of(const PhotoFolder& folder) {
+// `film_photos`: how many frames of films become photos.
+CaptureSize size_of(const PhotoFolder& folder, size_t film_photos) {
   CaptureSize c{.texture = kUsualTexture};
   std::vector<std::pair<double, double>> sides;
   const size_t n = folder.photos.size();
@@ -46,7 +44,7 @@ CaptureSize size_of(const PhotoFolder& folder) {
   if (sides.empty()) sides.emplace_back(1080, 1920);  // films, formats without a readable header
   double mpx = 0;
   for (const auto& [shorter, longer] : sides) mpx += shorter * longer * 1e-6 / double(sides.size());
-  c.photos = std::max(n, folder.films.empty() ? size_t(1) : kFilmPhotos);
+  c.photos = std::max(n, folder.films.empty() ? size_t(1) : film_photos);
   c.photographed_mpx = mpx * double(c.photos);
   take_typical_size(std::move(sides), c);
   return c;
@@ -63,7 +61,7 @@ void estimate(const Graph& graph, const PhotoFolder& folder, FarmTask& task) {
     if (task.options[i] == "-c" || task.options[i] == "--config") desc.configs.push_back(task.options[i + 1]);
   }
   settings.load(desc);
-  CaptureSize capture = size_of(folder);
+  CaptureSize capture = size_of(folder, std::stoul(settings.text("ingest.frames")));
   capture.masks = gives_masks(settings);
   const CostTerms terms = cost_terms(settings, capture, task.cores);
   double seconds = 0;
@@ -71,10 +69,10 @@ void estimate(const Graph& graph, const PhotoFolder& folder, FarmTask& task) {
     const CostAnswer answer = stage_costs(node, {terms});
     if (answer.costs.empty()) continue;
     seconds += answer.costs[0].seconds(task.cores);
-    task.memory_bytes = std::max(task.memory_bytes, size_t(kReserve * double(answer.costs[0].memory_bytes)));
+    task.memory_bytes = std::max(task.memory_bytes, size_t(kUsualCostError * double(answer.costs[0].memory_bytes)));
   }
   task.memory_bytes = std::max(task.memory_bytes, kLeastMemory);
-  task.hours = kReserve * seconds / 3600;
+  task.hours = kUsualCostError * seconds / 3600;
 }
 
 // All tasks have the same options: `vitrine run` checks them once.
