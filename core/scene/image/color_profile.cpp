@@ -160,7 +160,7 @@ void ColorProfile::multiply(float* rgb, size_t pixels) const {
 namespace {
 
 constexpr size_t kChunk = 1 << 14;      // pixels
-constexpr double kBrightest = 65504.0;  // far above 1, outside the intended domain of the curves
+constexpr double kHighestValue = 65504.0;  // far above 1, outside the intended domain of the curves
 
 }  // namespace
 
@@ -199,7 +199,7 @@ void ColorProfile::float_to_linear(ImageF& image) const {
     }
     for (size_t i = 0; !curves_.empty() && i < 3 * (end - begin); ++i) {
       const double v = p[i], linear = kind_ == Kind::Srgb ? linear_from_srgb(std::abs(v)) : curves_[i % 3](std::abs(v));
-      p[i] = static_cast<float>(v < 0 ? -std::min(linear, kBrightest) : std::min(linear, kBrightest));
+      p[i] = static_cast<float>(v < 0 ? -std::min(linear, kHighestValue) : std::min(linear, kHighestValue));
     }
     if (kind_ != Kind::Srgb) multiply(p, end - begin);
   });
