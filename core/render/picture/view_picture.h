@@ -61,6 +61,9 @@ class ScenePainter {
   // At the size of the view's intrinsics.
   ViewPicture picture(const View& view);
   const SplatScene& surfels() const { return scene_.surfels; }
+  SplatScene& surfels() { return scene_.surfels; }                                // the next picture shows changed values
+  const ImageOptions& picture_options() const { return model_.options(); }  // with those of PictureDesc
+  const Frame& frame() const { return frame_; }                             // of the last picture
   const ImageOptions& image() const { return scene_.image; }
 
  private:
