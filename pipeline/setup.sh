@@ -12,6 +12,7 @@ VITRINE_PACKAGES=(
   libyaml-cpp-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libutf8proc-dev libexif-dev liblcms2-dev libpugixml-dev zlib1g-dev libzstd-dev
   libsqlite3-dev libdnnl-dev
   libheif-dev libraw-dev
+  python3-dev python3-numpy pybind11-dev
   colmap ffmpeg
 )
 # npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.

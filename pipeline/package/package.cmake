@@ -3,6 +3,7 @@
 #   bin/vitrine                     a link to lib/vitrine/vitrine
 #   lib/vitrine/                    all programs, their descriptions, codecs and pages: they find each other beside themselves
 #   share/vitrine/configs           presets, lights
+#   lib/python3/dist-packages       the Python package, if it was built
 #   share/man/man1, share/bash-completion, share/doc/vitrine
 include(GNUInstallDirs)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY TRUE)  # tests are not installed
@@ -31,6 +32,22 @@ endforeach()
 install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/vitrine/configs)
 install(FILES pipeline/package/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vitrine)
 install(FILES README.md pipeline/package/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
+set(python_depends)
+if(TARGET vitrine_python)
+  set(python_home lib/python3/dist-packages/vitrine)  # Debian's python3 searches it below /usr
+  install(TARGETS vitrine_python LIBRARY DESTINATION ${python_home})
+  install(DIRECTORY pipeline/python/vitrine/ DESTINATION ${python_home} PATTERN __pycache__ EXCLUDE)
+  install(CODE "
+    if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr/local\")  # where Debian's python3 searches another folder
+      set(packages \$ENV{DESTDIR}/usr/local/lib/python${VITRINE_PYTHON_VERSION}/dist-packages)
+      file(MAKE_DIRECTORY \${packages})
+      file(CREATE_LINK ../../python3/dist-packages/vitrine \${packages}/vitrine SYMBOLIC)
+    endif()")
+  # The native module is of one minor version of Python.
+  string(REGEX REPLACE "^3\\.([0-9]+)$" "\\1" minor ${VITRINE_PYTHON_VERSION})
+  math(EXPR next "${minor} + 1")
+  set(python_depends ", python3 (>= ${VITRINE_PYTHON_VERSION}), python3 (<< 3.${next}), python3-numpy")
+endif()
 install(CODE "
   file(MAKE_DIRECTORY \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR})
   file(CREATE_LINK ../${home}/vitrine \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/vitrine SYMBOLIC)
@@ -57,7 +74,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS colmap)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "colmap${python_depends}")
 # Films; decoders of HEIC and AVIF, which are packages of their own since Debian 13.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "ffmpeg, libheif-plugin-libde265, libheif-plugin-dav1d")
 include(CPack)
