@@ -113,6 +113,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
 
   // Parts of one list fall together in the folder: none replaces another, and none is the current result.
   if (part) {
+    const PublishingLock others(project);
     publish(result.entry, result.manifest, target);
     if (!a.quiet)
       fmt::print(

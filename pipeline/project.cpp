@@ -120,4 +120,18 @@ ProjectLock::~ProjectLock() {
   close(fd_);
 }
 
+PublishingLock::PublishingLock(const fs::path& project) {
+  const fs::path file = store_of(project) / "publishing.lock";
+  fd_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw_write_error(file, errno);
+  while (flock(fd_, LOCK_EX) != 0) {
+    if (errno == EINTR) continue;
+    const int saved = errno;
+    close(fd_);
+    throw_write_error(file, saved);
+  }
+}
+
+PublishingLock::~PublishingLock() { close(fd_); }
+
 }  // namespace vitrine

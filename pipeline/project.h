@@ -44,6 +44,18 @@ class ProjectLock {
   LockKind kind_;
 };
 
+// For processes that share the lock of a folder: one at a time links its files into it. Waits for the others.
+class PublishingLock {
+ public:
+  explicit PublishingLock(const fs::path& project);
+  ~PublishingLock();
+  PublishingLock(const PublishingLock&) = delete;
+  PublishingLock& operator=(const PublishingLock&) = delete;
+
+ private:
+  int fd_ = -1;
+};
+
 // PROJECT/export has two writers: `vitrine run` links the files of its export stage, `vitrine export` adds formats or options on
 // request. Requested files stay: a run does not touch a format while any file that `vitrine export` wrote for it exists.
 // .cache/exported.json lists the requested files; export/formats.json lists all formats.

@@ -1,5 +1,7 @@
 // --frames of `vitrine relight` and `vitrine render` on a finished project: parts in one folder, and the whole made of them.
 #include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -38,7 +40,7 @@ TEST_F(FramesCommand, PartsGatherInOneFolderAndTheWholeTakesThem) {
   std::map<std::string, std::string> made;
   for (const auto& [file, bytes] : test::files_below(project() / "relit")) made["relit/" + file] = bytes;
   EXPECT_EQ(made, whole);
-  if (find_program("ffmpeg")) EXPECT_TRUE(whole.contains("relit/captured/turntable.mp4"));
+  EXPECT_EQ(whole.contains("relit/captured/turntable.mp4"), find_program("ffmpeg").has_value());
   // Linked from the parts, not computed again.
   EXPECT_GE(fs::hard_link_count(project() / "relit/captured/frame_0003.exr"), 3u);
 }
@@ -53,6 +55,21 @@ TEST_F(FramesCommand, SeveralMachinesMayWorkOnPartsAtOnce) {
   ASSERT_EQ(flock(other, LOCK_EX), 0);
   EXPECT_EQ(error_of([&] { relight({"--frames", "2"}); }).kind(), ErrorKind::Locked);
   close(other);
+}
+
+TEST_F(FramesCommand, PartsThatEndTogetherAreAllThere) {
+  std::vector<pid_t> children;
+  for (const char* frames : {"0", "1", "2", "3"}) {
+    children.push_back(fork());
+    if (children.back() == 0) _exit(relight({"--frames", frames}));
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  }
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(fs::exists(project() / fmt::format("relit/captured/frame_000{}.png", i))) << i;
+  EXPECT_TRUE(fs::exists(project() / "relit/captured/transforms.json"));
 }
 
 TEST_F(FramesCommand, WrongFramesAreMistakesOfUsage) {
