@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
@@ -20,6 +22,7 @@
 #include "core/scene/mesh/tri_mesh.h"
 #include "core/scene/mesh/tsdf_volume.h"
 #include "stages/mesh/fusion.h"
+#include "stages/mesh/watertight.h"
 
 namespace vitrine {
 
@@ -27,8 +30,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSolidVoxels = 0.75;  // vertices within this distance of an optimised solid are moved onto it
-constexpr double kMirrorVoxels = 3;    // a surface farther in front of a mirror is another object
+constexpr double kSolidVoxels = 0.75;                    // vertices within this distance of an optimised solid are moved onto it
+constexpr double kClosedSeconds = 0.25, kClosedMib = 6;  // of a closed surface, per thousand points
+constexpr double kMirrorVoxels = 3;                      // a surface farther in front of a mirror is another object
 
 Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
@@ -44,6 +48,7 @@ Json json_of(const MeshReport& r) {
           {"largest_component_faces", r.largest_component},
           {"degenerate_faces", r.degenerate_faces},
           {"euler", r.euler},
+          {"genus", genus_of(r)},
           {"closed", r.closed()},
           {"area", r.area},
           {"volume", r.volume},
@@ -177,6 +182,47 @@ void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, con
   context.metric("faces_behind_glass", static_cast<double>(behind.faces.size()));
 }
 
+// The closed mesh, and its comparison with the fused one in report["watertight"]. With method `both`, nothing and a warning where
+// there is none.
+std::optional<TriMesh> closed_mesh(const MeshConfig& config, const TriMesh& fused, double voxel, StageContext& context,
+                                   Json& report) {
+  if (config.method == MeshMethod::Fusion) return std::nullopt;
+  WatertightReport compared;
+  TriMesh mesh;
+  try {
+    mesh = watertight(
+        fused,
+        {.voxel = voxel,
+         .faces = static_cast<size_t>(config.faces),
+         .pieces = {.min_fraction = config.clean.min_component, .keep_largest = config.clean.keep_components},
+         .smooth_iterations = config.clean.smooth_iterations},
+        [&](double f) {
+          throw_if_interrupted();
+          context.progress({.fraction = 0.95 + 0.01 * f, .text = "closing the surface", .values = {}});
+        },
+        compared);
+  } catch (const Error& e) {
+    if (config.method == MeshMethod::Poisson || e.detail().code != "NOT_CLOSED") throw;
+    context.warning("NOT_CLOSED",
+                    fmt::format("no watertight.ply: {} ({}); mesh.ply is not affected", e.message(), e.detail().why));
+    return std::nullopt;
+  }
+  Json& r = report["watertight"] = json_of(mesh_report(mesh));
+  r["self_intersections"] = self_intersection_count(mesh);
+  r["points"] = compared.poisson.points;
+  r["seen_from_inside"] = compared.poisson.inwards;
+  r["distance_to_fusion"] = compared.to_fused;
+  r["distance_from_fusion"] = compared.from_fused;
+  r["invented_share"] = compared.invented_share;
+  r["fusion"] = json_of(compared.fused);
+  log_info(
+      "mesh: closed surface of {} faces, genus {}, volume {:.4f}{}; {:.1f} % of its area is farther than {:.0f} voxels from "
+      "the fused surface",
+      mesh.faces.size(), r["genus"].get<int64_t>(), r["volume"].get<double>(),
+      compared.poisson.inwards ? " (seen from inside)" : "", 100 * compared.invented_share, kInventedVoxels);
+  return mesh;
+}
+
 // Fuses the depth maps and extracts the surface. The volume is freed on return.
 TriMesh fused_surface(size_t views, const DepthSource& frame_of, const FusionDesc& desc, const MeshConfig& config,
                       const Timer& clock, StageContext& context, FusionReport& fusion) {
@@ -250,10 +296,16 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   TriMesh mesh = cleaned(raw, config, context, report);
   report["vertices_on_shapes"] = mirrors.put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
+  std::optional<TriMesh> closed = closed_mesh(config, mesh, fusion.voxel, context, report);
+  if (config.method == MeshMethod::Poisson) mesh = *std::exchange(closed, std::nullopt);
   const LabelledObjects objects = LabelledObjects::known(context.optional_input("objects"));
   const std::vector<LabelledView> labels = labelled_views(objects, views);
   if (!labels.empty()) mesh.object_ids = labels_of_vertices(mesh, labels);
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
+  if (closed) {
+    if (!labels.empty()) closed->object_ids = labels_of_vertices(*closed, labels);
+    write_mesh_ply(context.output() / "mesh" / "watertight.ply", *closed);
+  }
   if (scene.surfels.transmittance.size() > 0)
     write_behind_glass(config, scene, views, objects.objects(), labels, mesh, fusion_desc, rendered, context, report);
   const MeshReport final_report = mesh_report(mesh);
@@ -302,6 +354,10 @@ void describe(Describer& d, MeshCleanConfig& c) {
 }
 
 void describe(Describer& d, MeshConfig& c) {
+  d.choice(
+      "method", c.method, {"fusion", "poisson", "both"},
+      "Surface of mesh.ply: as the photos show it and open elsewhere (fusion), or closed by a Poisson surface (poisson), for "
+      "printing, volumes and simulation of an object; both: the closed one as mesh/watertight.ply.");
   d.option("resolution", c.resolution, "Voxels along the longest side of the region.").range(8, 4096);
   d.option("voxel", c.voxel, "Edge of a voxel in scene units (the cameras' ring has radius 1); 0 = from the resolution.")
       .range(0, 10);
@@ -315,7 +371,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 15,
+       .version = 16,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},
@@ -330,8 +386,11 @@ Stage mesh_stage() {
 
 StageCost mesh_cost(const CostTerms& t) {
   const double scale = std::pow(t.number("mesh.resolution") / 256, 2), hulls = t.capture.masks ? 16 : 0;
-  return stage_cost(8 + 4.5 * scale + hulls, 0.5, (t.capture.masks ? 1.5 : 1) * (100 + 150 * scale),
-                    9e-5 * t.number("mesh.faces"));
+  // A closed surface has a point per two faces, and several tetrahedra per point.
+  const double points = t.text("mesh.method") == "fusion" ? 0 : 0.5e-3 * t.number("mesh.faces");  // thousands
+  return stage_cost(8 + 4.5 * scale + hulls + kClosedSeconds * points, 0.5,
+                    std::max((t.capture.masks ? 1.5 : 1) * (100 + 150 * scale), kClosedMib * points),
+                    (t.text("mesh.method") == "both" ? 2 : 1) * 9e-5 * t.number("mesh.faces"));
 }
 
 StageReport mesh_report() {
@@ -348,7 +407,8 @@ StageReport mesh_report() {
       ReportFigure{"Geometry", "mesh_nonmanifold", "Edges of more than two faces", "", 0, 0, 10,
                    "Non-manifold edges of the cleaned mesh.", "Some programs refuse such a mesh.", "mesh.nonmanifold_edges"}
           .measured_on("mesh.faces", 1, "triangles")};
-  report.facts = {{"Geometry", "a mesh of {mesh.faces:n} triangles in {mesh.components:n} {mesh.components:piece,pieces}"}};
+  report.facts = {{"Geometry", "a mesh of {mesh.faces:n} triangles in {mesh.components:n} {mesh.components:piece,pieces}"},
+                  {"Geometry", "a closed mesh of {watertight.faces:n} triangles"}};
   return report;
 }
 

@@ -1,6 +1,7 @@
 // The mesh stage: triangle mesh from the rendered depth of the diffuse layer. TSDF fusion of all training views and marching
 // cubes (mesh/mesh_raw.ply); removal of small components, repair, smoothing and decimation (mesh/mesh.ply); content behind glass
-// (mesh/behind_glass.ply); mesh/report.json. README.md documents the options.
+// (mesh/behind_glass.ply); on request the closed surface through the fused one (mesh/watertight.ply); mesh/report.json. README.md
+// documents the options.
 #pragma once
 
 #include <span>
@@ -57,7 +58,14 @@ struct MeshCleanConfig {
 void describe(Describer& d, MeshCleanConfig& c);
 void describe(Describer& d, RegionDesc& c);
 
+enum class MeshMethod {
+  Fusion,   // open where no photo looked
+  Poisson,  // the closed surface through the fused one: mesh/mesh.ply
+  Both      // fusion, and the closed surface as mesh/watertight.ply
+};
+
 struct MeshConfig {
+  MeshMethod method = MeshMethod::Fusion;
   int resolution = 384;
   double voxel = 0;
   int faces = 200000;

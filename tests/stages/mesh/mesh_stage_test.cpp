@@ -177,6 +177,86 @@ TEST_F(BallOnTable, BecomesAMeshOfBothWithinTheVoxel) {
   EXPECT_GT(red, 0.95);
 }
 
+// What `mesh.method` gives: the ball on its table as a plinth.
+void expect_closed_plinth(const TriMesh& mesh, const nlohmann::json& figures, double voxel) {
+  const MeshReport r = mesh_report(mesh);
+  EXPECT_TRUE(r.closed());
+  EXPECT_EQ(r.manifold_edges, r.edges);
+  EXPECT_EQ(figures["faces"].get<size_t>(), mesh.faces.size());
+  EXPECT_EQ(figures["boundary_edges"], 0);
+  EXPECT_EQ(figures["self_intersections"], 0);
+  EXPECT_EQ(figures["seen_from_inside"], false);
+  EXPECT_GT(figures["volume"].get<double>(), 0.1);  // of the upper half of the ball, and more
+  EXPECT_GT(figures["fusion"]["boundary_edges"].get<size_t>(), 0u);
+  EXPECT_LT(figures["distance_from_fusion"].get<double>(), voxel);
+  EXPECT_GT(figures["invented_share"].get<double>(), 0.2);  // the lower side of the table
+  ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  const MeshDistance distance(mesh);
+  Rng rng(2);
+  double worst = 0;
+  for (int i = 0; i < 500; ++i) {
+    Vec3d n = normalized(Vec3d{rng.normal(), rng.normal(), rng.normal()});
+    n.z = std::abs(n.z);
+    worst = std::max<double>(worst, distance.closest(cast<float>(0.3 * n)).distance);
+  }
+  EXPECT_LT(worst, 2 * voxel);
+}
+
+TEST_F(BallOnTable, IsClosedByAPoissonSurface) {
+  const nlohmann::json both = run("both", {{"method", "both"}, {"resolution", "48"}, {"faces", "6000"}});
+  EXPECT_TRUE(warnings.empty());
+  const double voxel = both["voxel"];
+  EXPECT_FALSE(both["mesh"]["closed"].get<bool>());
+  const TriMesh closed = read_mesh_ply(out / "mesh/watertight.ply");
+  expect_closed_plinth(closed, both["watertight"], voxel);
+  EXPECT_LE(closed.faces.size(), 6000u);
+  const std::string fused = read_file(out / "mesh/mesh.ply");
+
+  set_thread_limit(3);  // the same surface as mesh.ply, for any number of threads
+  const nlohmann::json poisson = run("poisson", {{"method", "poisson"}, {"resolution", "48"}, {"faces", "6000"}});
+  set_thread_limit(0);
+  EXPECT_FALSE(fs::exists(out / "mesh/watertight.ply"));
+  EXPECT_TRUE(poisson["mesh"]["closed"].get<bool>());
+  EXPECT_TRUE(read_file(out / "mesh/mesh.ply") == read_file(folder.path() / "both/mesh/watertight.ply"));
+  EXPECT_EQ(poisson["watertight"], both["watertight"]);
+
+  const nlohmann::json fusion = run("fusion", {{"resolution", "48"}, {"faces", "6000"}});
+  EXPECT_FALSE(fusion.contains("watertight"));
+  EXPECT_TRUE(read_file(out / "mesh/mesh.ply") == fused) << "`both` leaves mesh.ply as it is";
+}
+
+TEST_F(BallOnTable, KeepsTheFusedMeshWhereThereIsNoClosedOne) {
+  const std::vector<std::pair<std::string, std::string>> few = {{"resolution", "16"}, {"faces", "60"}};  // 30 points
+  auto options = few;
+  options.emplace_back("method", "both");
+  const nlohmann::json report = run("few", options);
+  EXPECT_EQ(warnings, std::vector<std::string>{"NOT_CLOSED"});
+  EXPECT_FALSE(report.contains("watertight"));
+  EXPECT_FALSE(fs::exists(out / "mesh/watertight.ply"));
+  EXPECT_GT(read_mesh_ply(out / "mesh/mesh.ply").faces.size(), 0u);
+  options.back().second = "poisson";
+  try {
+    run("none", options);
+    FAIL() << "30 points are too few";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_EQ(e.detail().code, "NOT_CLOSED");
+    EXPECT_NE(e.detail().why.find("at least 100"), std::string::npos);
+  }
+}
+
+TEST(MeshCost, OfAClosedMeshIsMore) {
+  CostTerms terms;
+  terms.options = {{"mesh.resolution", "256"}, {"mesh.faces", "200000"}, {"mesh.method", "fusion"}};
+  const StageCost fusion = mesh_cost(terms);
+  terms.options["mesh.method"] = "both";
+  const StageCost both = mesh_cost(terms);
+  EXPECT_GT(both.cpu_s, fusion.cpu_s);
+  EXPECT_GT(both.memory_bytes, fusion.memory_bytes);
+  EXPECT_EQ(both.disk_bytes, 2 * fusion.disk_bytes);
+}
+
 // A polished ball: the surfels stand where the mirrored things appear, deep inside; its shape is known.
 class MirrorOnTable : public BallOnTable {
  protected:
