@@ -7,6 +7,7 @@ namespace {
 constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room},
                                   {"paperweight", paperweight},
                                   {"cabinet", cabinet},
+                                  {"hall", hall},
                                   {"gallery", nullptr, gallery},
                                   {"plain_gallery", nullptr, plain_gallery}};
 }

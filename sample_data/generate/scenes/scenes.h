@@ -21,6 +21,8 @@ Scene gallery(uint64_t seed);  // glass, metal, mirrors and coated paint drawn b
 // The same things between bare walls of one paint each, and exposure and white balance of every photo are its own.
 Scene plain_gallery(uint64_t seed);
 
+Scene hall();  // a painted hall, 12 m long, with crates; 300 views of 160x120 on three walks from end to end
+
 struct SceneEntry {
   const char* name;
   Scene (*build)();  // null: a family of scenes
