@@ -21,6 +21,17 @@ LossSet::LossSet() {
   }
 }
 
+LossSet::LossSet(const LossSet& other) : LossSet() {
+  for (size_t i = 0; i < terms_.size(); ++i) {
+    terms_[i].schedule = other.terms_[i].schedule;
+    OptionTable own, theirs;
+    Describer own_options(own), their_options(theirs);
+    terms_[i].loss->describe_options(own_options);
+    other.terms_[i].loss->describe_options(their_options);
+    for (size_t o = 0; o < own.options.size(); ++o) own.options[o].assign(theirs.options[o].text(), theirs.options[o].origin);
+  }
+}
+
 LossTerm& LossSet::term(std::string_view name) {
   for (LossTerm& term : terms_)
     if (term.factory->name == name) return term;

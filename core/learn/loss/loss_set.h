@@ -41,6 +41,9 @@ struct LossValues {
 class LossSet {
  public:
   LossSet();
+  // The same weights, schedules and options; losses keep no state between steps.
+  LossSet(const LossSet& other);
+  LossSet& operator=(const LossSet&) = delete;
   std::vector<LossTerm>& terms() { return terms_; }
   const std::vector<LossTerm>& terms() const { return terms_; }
   LossTerm& term(std::string_view name);

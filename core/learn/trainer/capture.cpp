@@ -97,31 +97,58 @@ float near_plane(const ViewSet& set) {
   return std::clamp(kPart * quantile_of(depths, kQuantile), kLeast, kMost);
 }
 
-Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every) {
-  Capture capture;
-  capture.view_set = load_view_set(sfm_folder);
+namespace {
+
+PhotoPyramid read_photo(const std::filesystem::path& sfm_folder, const View& view, int max_side) {
+  const auto path = linear_image_path(sfm_folder, view);
+  const ImageF linear = read_exr_rgb(path);
+  const Intrinsics& k = view.intrinsics;
+  if (linear.width() != k.width || linear.height() != k.height)
+    throw Error(ErrorKind::Input, "a photo and its camera have different sizes",
+                {.where = path.string(),
+                 .why = fmt::format("the file has {} x {} pixels, the camera model {} x {}", linear.width(), linear.height(),
+                                    k.width, k.height),
+                 .hint = "run the sfm stage again",
+                 .code = "SIZE_MISMATCH"});
+  return make_photo(view, linear, max_side);
+}
+
+void read_photos(const std::filesystem::path& sfm_folder, int max_side, Capture& capture) {
   const auto& views = capture.view_set.views;
   capture.photos.resize(views.size());
   parallel_for(views.size(), 1, [&](size_t i) {
-    if (interrupt_signal() != 0) return;
-    const auto path = linear_image_path(sfm_folder, views[i]);
-    const ImageF linear = read_exr_rgb(path);
-    const Intrinsics& k = views[i].intrinsics;
-    if (linear.width() != k.width || linear.height() != k.height)
-      throw Error(ErrorKind::Input, "a photo and its camera have different sizes",
-                  {.where = path.string(),
-                   .why = fmt::format("the file has {} x {} pixels, the camera model {} x {}", linear.width(), linear.height(),
-                                      k.width, k.height),
-                   .hint = "run the sfm stage again",
-                   .code = "SIZE_MISMATCH"});
-    capture.photos[i] = make_photo(views[i], linear, max_side);
+    if (interrupt_signal() == 0) capture.photos[i] = read_photo(sfm_folder, views[i], max_side);
   });
   throw_if_interrupted();
-  const std::vector<uint8_t> heldout = heldout_views(sfm_folder, views, holdout_every);
-  for (size_t i = 0; i < views.size(); ++i) {
-    (heldout[i] ? capture.heldout : capture.train).push_back(static_cast<uint32_t>(i));
-    capture.largest_pixel_count = std::max(capture.largest_pixel_count, capture.photos[i].levels[0].srgb.size() / 3);
+  for (const PhotoPyramid& photo : capture.photos)
+    capture.largest_pixel_count = std::max(capture.largest_pixel_count, photo.levels[0].srgb.size() / 3);
+  capture.memory_bytes = pyramid_bytes(capture.view_set, max_side);
+}
+
+}  // namespace
+
+ViewSet part_of(const ViewSet& whole, std::span<const uint8_t> wanted) {
+  ViewSet part{.views = {}, .points = {}, .scene_from_colmap = whole.scene_from_colmap};
+  std::vector<uint32_t> number(whole.views.size(), 0);
+  for (size_t v = 0; v < whole.views.size(); ++v) {
+    number[v] = static_cast<uint32_t>(part.views.size());
+    if (wanted[v]) part.views.push_back(whole.views[v]);
   }
+  for (const ScenePoint& point : whole.points) {
+    ScenePoint seen{point.position, point.linear_rgb, point.error_px, {}};
+    for (uint32_t v : point.views)
+      if (wanted[v]) seen.views.push_back(number[v]);
+    if (!seen.views.empty()) part.points.push_back(std::move(seen));
+  }
+  return part;
+}
+
+Capture load_cameras(const std::filesystem::path& sfm_folder, int holdout_every) {
+  Capture capture;
+  capture.view_set = load_view_set(sfm_folder);
+  const auto& views = capture.view_set.views;
+  const std::vector<uint8_t> heldout = heldout_views(sfm_folder, views, holdout_every);
+  for (size_t i = 0; i < views.size(); ++i) (heldout[i] ? capture.heldout : capture.train).push_back(static_cast<uint32_t>(i));
   if (capture.train.empty())
     throw Error(ErrorKind::Input, "no photo is left to train on",
                 {.where = sfm_folder.string(),
@@ -129,8 +156,27 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
                  .hint = "--set optimize.holdout_every=0, or take more photos",
                  .code = "NO_TRAINING_VIEW"});
   capture.near_z = near_plane(capture.view_set);
-  capture.memory_bytes = pyramid_bytes(capture.view_set, max_side);
   return capture;
+}
+
+Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every) {
+  Capture capture = load_cameras(sfm_folder, holdout_every);
+  read_photos(sfm_folder, max_side, capture);
+  return capture;
+}
+
+Capture load_part(const std::filesystem::path& sfm_folder, int max_side, int holdout_every, std::span<const uint8_t> wanted) {
+  const Capture whole = load_cameras(sfm_folder, holdout_every);
+  Capture part;
+  part.view_set = part_of(whole.view_set, wanted);
+  part.near_z = whole.near_z;
+  uint32_t count = 0;
+  std::vector<uint8_t> heldout(whole.view_set.views.size(), 0);
+  for (uint32_t v : whole.heldout) heldout[v] = 1;
+  for (size_t v = 0; v < heldout.size(); ++v)
+    if (wanted[v]) (heldout[v] ? part.heldout : part.train).push_back(count++);
+  read_photos(sfm_folder, max_side, part);
+  return part;
 }
 
 std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch) {

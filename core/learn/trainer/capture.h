@@ -49,7 +49,13 @@ void raise_clipped(std::span<const float> prediction_srgb, std::span<float> targ
 
 // Capture::near_z of these photos.
 float near_plane(const ViewSet& view_set);
+// Cameras, sparse points, near_z, and the training and held-out photos; no pictures.
+Capture load_cameras(const std::filesystem::path& sfm_folder, int holdout_every);
 Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every);
+// A part of a capture: the photos with wanted[view] != 0 and the sparse points that they see. Held-out photos and near_z stay
+// those of the whole capture.
+Capture load_part(const std::filesystem::path& sfm_folder, int max_side, int holdout_every, std::span<const uint8_t> wanted);
+ViewSet part_of(const ViewSet& whole, std::span<const uint8_t> wanted);
 // Memory of load_capture() in bytes, from the intrinsics alone.
 size_t pyramid_bytes(const ViewSet& view_set, int max_side);
 

@@ -223,5 +223,18 @@ TEST(LossSet, DescribesTheWeightOfEveryLoss) {
   EXPECT_EQ(losses.term("l1").schedule.weight, 0.25f);
 }
 
+TEST(LossSet, ACopyHasItsWeightsAndOptions) {
+  LossSet losses;
+  OptionTable table = options_of(losses);
+  table.find("l1")->assign("0.25", "test");
+  table.find("vgg")->assign("vgg16.safetensors", "test");
+  losses.term("dssim").schedule.from = 0.5;
+  LossSet copy = losses;
+  EXPECT_EQ(options_of(copy).canonical_text(), table.canonical_text());
+  EXPECT_EQ(copy.term("dssim").schedule.from, 0.5);
+  copy.term("l1").schedule.weight = 1;
+  EXPECT_EQ(losses.term("l1").schedule.weight, 0.25f);
+}
+
 }  // namespace
 }  // namespace vitrine
