@@ -1,4 +1,5 @@
 #include "core/render/raster/renderer.h"
+#include "stages/optimize/blocks.h"
 #include "stages/optimize/optimize.h"
 #include "stages/training_cost.h"
 
@@ -44,6 +45,11 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
            "show through thin glass alone.");
+  d.option(
+       "blocks", c.blocks,
+       "Split the capture by place into this many blocks, which are trained one after the other and joined: takes the memory of "
+       "the largest one. One opaque layer only.")
+      .range(1, 1000);
   d.option("checkpoint_every", c.checkpoint_every, "Steps between two checkpoints; 0 = only on interruption.")
       .range(0, 10000000)
       .affects_output(false);
@@ -59,7 +65,7 @@ void describe(Describer& d, OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 39,
+                 .version = 40,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},
@@ -68,9 +74,12 @@ Stage optimize_stage() {
                  .doing = "training",
                  .cost = optimize_cost,
                  .report = optimize_report()};
-  Stage stage = make_stage<OptimizeConfig>(std::move(info), run_optimize, [] {
-    return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
-  });
+  Stage stage = make_stage<OptimizeConfig>(
+      std::move(info), run_optimize,
+      [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
+      },
+      blocks_problem);
   stage.fit = optimize_fit();
   return stage;
 }
@@ -80,7 +89,10 @@ StageCost optimize_cost(const CostTerms& t) {
   const double steps = t.number("optimize.iterations");
   const bool twin = t.capture.masks && t.text("optimize.opaque_twin") == "true" && t.text("optimize.layers") != "diffuse";
   const double step_s = training_step_s(t, kLayeredPart, "optimize.shading.ray_budget") + (twin ? opaque_step_s(t) : 0);
-  return stage_cost(0.7 * t.photos() + steps * step_s, 0.92, training_memory_mib(t),
+  // A block has its own photos and some of its neighbours; all blocks together take the steps of the photos that they share.
+  constexpr double kShared = 1.6;
+  const double blocks = t.number("optimize.blocks"), photos = blocks > 1 ? kShared : 1;
+  return stage_cost(photos * (0.7 * t.photos() + steps * step_s), 0.92, training_memory_mib(t) * std::min(1.0, photos / blocks),
                     (twin ? 2 : 1) * trained_surfels_disk_mib(t));
 }
 

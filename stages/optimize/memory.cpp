@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "core/foundation/base/error.h"
-#include "core/scene/camera/mask_class.h"
 #include "core/learn/trainer/capture.h"
+#include "core/scene/camera/mask_class.h"
+#include "stages/optimize/blocks.h"
 #include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {
@@ -45,6 +46,24 @@ size_t affordable_surfels(const OptimizeConfig& config, size_t bytes_before, siz
   return max_memory_bytes > bytes_before ? (max_memory_bytes - bytes_before) / each : 0;
 }
 
+namespace {
+
+// Largest max_gaussians of a run for which one training, or the one of every block, fits.
+size_t possible_surfels(const OptimizeConfig& config, size_t max_memory_bytes, const fs::path& sfm,
+                        const std::optional<fs::path>& masks, const std::optional<fs::path>& normals) {
+  const auto affordable = [&](const ViewSet& views) {
+    return affordable_surfels(config, bytes_before_surfels(views, config.max_side, masks, normals), max_memory_bytes);
+  };
+  if (config.blocks <= 1) return affordable(load_view_set(sfm));
+  const Capture cameras = load_cameras(sfm, config.holdout_every);
+  size_t least = SIZE_MAX;
+  for (const Block& block : planned_blocks(cameras.view_set, cameras.train, config.blocks).blocks)
+    least = std::min(least, static_cast<size_t>(double(affordable(part_of(cameras.view_set, block.photos))) / block.point_share));
+  return least;
+}
+
+}  // namespace
+
 std::vector<FittedOption> fit_into_memory(const OptimizeConfig& config, size_t max_memory_bytes, const InputPaths& inputs) {
   const auto path = [&](const char* input) {
     const auto found = inputs.find(input);
@@ -52,9 +71,8 @@ std::vector<FittedOption> fit_into_memory(const OptimizeConfig& config, size_t m
   };
   const auto sfm = path("sfm");
   if (!sfm) return {};
-  const size_t before = bytes_before_surfels(load_view_set(*sfm), config.max_side, path("masks"), path("normals"));
   const auto wanted = static_cast<size_t>(config.max_gaussians);
-  const size_t possible = affordable_surfels(config, before, max_memory_bytes);
+  const size_t possible = possible_surfels(config, max_memory_bytes, *sfm, path("masks"), path("normals"));
   if (possible >= wanted) return {};
   const size_t taken = std::max(possible, std::min(kFewestSurfels, wanted));
   return {

@@ -47,6 +47,7 @@ struct OptimizeConfig {
   WantedMedium medium = WantedMedium::Off;
   WantedTransients transients = WantedTransients::Off;
   bool fill_unseen = true;
+  int blocks = 1;
   int checkpoint_every = 250;
   double sh_from = 0.15;     // fraction of the run after which colour depends on the view; not an option
   int preview_every = 1000;  // steps between preview pictures, 0 = only the last; not an option

@@ -7,10 +7,10 @@
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
+#include "core/foundation/math/color.h"
 #include "core/scene/camera/view_masks.h"
 #include "core/scene/image/ldr.h"
 #include "core/scene/image/resample.h"
-#include "core/foundation/math/color.h"
 
 namespace vitrine {
 
@@ -23,24 +23,7 @@ double rounded(double value) { return std::isfinite(value) ? std::stod(fmt::form
 
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::lround(255.f * std::clamp(value, 0.f, 1.f))); }
 
-}  // namespace
-
-void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, bool object_alone) {
-  Json json{{"holdout_every", config.holdout_every}, {"max_side", config.max_side}};
-  if (object_alone) json["object_alone"] = true;
-  json["train"] = Json::array();
-  json["heldout"] = Json::array();
-  for (uint32_t i : capture.train) json["train"].push_back(capture.photos[i].name());
-  for (uint32_t i : capture.heldout) json["heldout"].push_back(capture.photos[i].name());
-  write_file(path, json.dump(2) + "\n");
-}
-
-void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo) {
-  Frame frame;
-  const bool layered = trainer.layers().any();
-  trainer.picture(photo, layered, frame);
-  std::vector<float> target;
-  decode(capture.photos[photo].levels[0], target);
+void write_frame(const std::filesystem::path& path, const Frame& frame, std::span<const float> target, bool layered) {
   const Intrinsics& k = frame.view->intrinsics;
   const size_t pixels = frame.pixel_count();
   const auto normal = frame.diffuse.plane(Aov::Normal);
@@ -63,6 +46,37 @@ void write_preview(const std::filesystem::path& path, const Trainer& trainer, co
       }
     }
   write_ldr(path, image);
+}
+
+}  // namespace
+
+void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, bool object_alone) {
+  Json json{{"holdout_every", config.holdout_every}, {"max_side", config.max_side}};
+  if (object_alone) json["object_alone"] = true;
+  json["train"] = Json::array();
+  json["heldout"] = Json::array();
+  for (uint32_t i : capture.train) json["train"].push_back(capture.view_set.views[i].name);
+  for (uint32_t i : capture.heldout) json["heldout"].push_back(capture.view_set.views[i].name);
+  write_file(path, json.dump(2) + "\n");
+}
+
+void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo) {
+  Frame frame;
+  const bool layered = trainer.layers().any();
+  trainer.picture(photo, layered, frame);
+  std::vector<float> target;
+  decode(capture.photos[photo].levels[0], target);
+  write_frame(path, frame, target, layered);
+}
+
+void write_preview(const std::filesystem::path& path, const Frame& frame, std::span<const float> photo) {
+  write_frame(path, frame, photo, false);
+}
+
+double frame_psnr(const Frame& frame, std::span<const float> photo) {
+  double sum = 0;
+  for (size_t i = 0; i < photo.size(); ++i) sum += (double(frame.srgb[i]) - photo[i]) * (double(frame.srgb[i]) - photo[i]);
+  return sum > 0 ? -10 * std::log10(sum / double(photo.size())) : 99;
 }
 
 std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, const Targets& targets) {
@@ -107,6 +121,17 @@ void write_trained_masks(const std::filesystem::path& folder, const Capture& cap
   });
 }
 
+namespace {
+
+void add_heldout(const Capture& capture, std::span<const PhotoQuality> heldout, Json& json) {
+  json["heldout"] = Json::array();
+  for (const PhotoQuality& q : heldout)
+    json["heldout"].push_back({{"name", capture.view_set.views[q.photo].name}, {"psnr", rounded(q.psnr)}});
+  if (!heldout.empty()) json["heldout_psnr"] = rounded(mean_psnr(heldout));
+}
+
+}  // namespace
+
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
                   std::span<const PhotoQuality> heldout) {
   Json json{{"iterations", trainer.step_index()},
@@ -132,10 +157,28 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
   json["epochs"] = Json::array();
   for (const EpochRecord& e : trainer.epochs())
     json["epochs"].push_back({{"step", e.step}, {"surfels", e.surfels}, {"loss", rounded(e.loss)}, {"l1", rounded(e.l1)}});
-  json["heldout"] = Json::array();
-  for (const PhotoQuality& q : heldout)
-    json["heldout"].push_back({{"name", capture.photos[q.photo].name()}, {"psnr", rounded(q.psnr)}});
-  if (!heldout.empty()) json["heldout_psnr"] = rounded(mean_psnr(heldout));
+  add_heldout(capture, heldout, json);
+  write_file(path, json.dump(2) + "\n");
+}
+
+void write_report(const std::filesystem::path& path, const BlocksReport& report) {
+  const auto sum = [&](const char* what) {
+    size_t all = 0;
+    for (const Json& block : report.blocks) all += block.at(what).get<size_t>();
+    return all;
+  };
+  Json json{{"iterations", sum("iterations")},
+            {"surfels", report.surfels},
+            {"initial_surfels", sum("initial_surfels")},
+            {"max_surfels", report.config.max_gaussians},
+            {"unseen_surfels", report.unseen},
+            {"from_behind_glass", 0},
+            {"sh_degree", report.config.sh_degree},
+            {"train_photos", report.cameras.train.size()},
+            {"heldout_photos", report.cameras.heldout.size()}};
+  json["layers"]["diffuse"] = {{"surfels", report.surfels}, {"max_surfels", report.config.max_gaussians}};
+  json["blocks"] = report.blocks;
+  add_heldout(report.cameras, report.heldout, json);
   write_file(path, json.dump(2) + "\n");
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/foundation/base/json.h"
 #include "core/learn/trainer/capture.h"
 #include "core/learn/trainer/targets.h"
 #include "core/render/model/image_options.h"
@@ -17,6 +18,8 @@ namespace vitrine {
 void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, bool object_alone);
 // Photo, picture and normals of one photo side by side; below, the contribution of each layer.
 void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo);
+// The same of a rendered frame, without the layers; `photo`: planar [3,h,w], display-referred.
+void write_preview(const std::filesystem::path& path, const Frame& frame, std::span<const float> photo);
 
 struct PhotoQuality {
   uint32_t photo;
@@ -28,10 +31,22 @@ std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture
 // Writes the masks used to train an object with part of its surroundings, at photo size: masks/object/*.png in `folder`.
 void write_trained_masks(const std::filesystem::path& folder, const Capture& capture, const Targets& targets);
 
+// PSNR of a rendered frame, dB; at most 99. `photo`: planar [3,h,w], display-referred.
+double frame_psnr(const Frame& frame, std::span<const float> photo);
 double mean_psnr(std::span<const PhotoQuality> photos);  // dB; 0 without a photo
 
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
                   std::span<const PhotoQuality> heldout);
+
+// The same for a capture that was trained in blocks (blocks.h).
+struct BlocksReport {
+  const OptimizeConfig& config;
+  const Capture& cameras;
+  std::vector<nlohmann::ordered_json> blocks = {};
+  size_t surfels = 0, unseen = 0;
+  std::vector<PhotoQuality> heldout = {};
+};
+void write_report(const std::filesystem::path& path, const BlocksReport& report);
 
 // Opaque twin of a scene with glass or mirrors (core/render/model/opaque_pass.h), and the per-object share of the layers in the
 // blended picture. Specular pixels of some training photos are withheld from both trainings as validation pixels.

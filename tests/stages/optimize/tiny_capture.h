@@ -7,12 +7,12 @@
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/rng.h"
+#include "core/render/model/layered_model.h"
 #include "core/scene/camera/colmap_model.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
-#include "core/render/model/layered_model.h"
 #include "core/scene/surfels/activation.h"
 
 namespace vitrine::testing {
@@ -100,10 +100,10 @@ inline SplatScene tiny_mirror_scene() {
 
 // sparse/0, scene.json, sfm/gains.json and linear/*.exr of a scene, and masks/specular/*.png when it has a mirror. Sparse points:
 // every third surfel, with noise.
-inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36,
-                           const SplatScene& photographed = {.diffuse = tiny_scene()}, const ImageOptions& image = {}) {
+inline void write_sfm_of(const fs::path& folder, const std::vector<View>& views, const SplatScene& photographed,
+                         const ImageOptions& image = {}) {
   const SplatLayer& scene = photographed.diffuse;
-  const std::vector<View> views = ring_of_views(view_count, width, height);
+  const int width = views.front().intrinsics.width, height = views.front().intrinsics.height;
   const LayeredModel image_model{image};
   Frame frame;
   ColmapModel model;
@@ -150,7 +150,7 @@ inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width
       const Vec3d p = image.cam_from_world() * point.position;
       const Intrinsics& k = views[image.id - 1].intrinsics;
       const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
-      if (x < 0 || y < 0 || x >= k.width || y >= k.height) continue;
+      if (p.z <= 0 || x < 0 || y < 0 || x >= k.width || y >= k.height) continue;
       point.track.push_back({image.id, static_cast<uint32_t>(image.points.size())});
       image.points.push_back({x, y, point.id});
     }
@@ -159,6 +159,43 @@ inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width
   write_colmap_model(folder / "sparse/0", model, ColmapFormat::Binary);
   write_gains(folder / "sfm/gains.json", gains);
   write_scene_info(folder / "scene.json", {});
+}
+
+inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36,
+                           const SplatScene& photographed = {.diffuse = tiny_scene()}, const ImageOptions& image = {}) {
+  write_sfm_of(folder, ring_of_views(view_count, width, height), photographed, image);
+}
+
+// A floor and a wall, 4.8 long and 1.2 wide, and views of it on a walk along y = x (the hall lies at 45 degrees to the axes).
+inline SplatLayer tiny_hall() {
+  SplatLayer layer(LayerKind::Diffuse, 0, 0);
+  const double h = std::sqrt(0.5);
+  const auto at = [&](double along, double across, double up) { return Vec3d{h * (along - across), h * (along + across), up}; };
+  for (int i = -24; i <= 24; ++i)
+    for (int j = -6; j < 6; ++j) {
+      const bool dark = ((i + 24) / 3 + (j + 6) / 3) % 2 == 0;
+      const Vec3f colour{float(0.15 + 0.015 * (i + 24)), dark ? 0.15f : 0.7f, dark ? 0.3f : 0.5f};
+      add_surfel(layer, at(0.1 * i, 0.1 * j, -0.3), {0, 0, 1}, 0.06, colour);
+      add_surfel(layer, at(0.1 * i, 0.6, -0.25 + 0.1 * (j + 6)), {h, -h, 0}, 0.06, {colour.z, colour.x, colour.y});
+    }
+  return layer;
+}
+
+inline std::vector<View> walk_along_hall(int count, int width, int height) {
+  const double h = std::sqrt(0.5);
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i) {
+    const double along = -1.8 + 3.6 * i / (count - 1), turned = 0.3 * (i % 3 - 1);
+    const Vec3d eye{h * (along + 0.6), h * (along - 0.6), 0.3 + 0.1 * (i % 2)};
+    const Vec3d forward = normalized(Vec3d{h * (turned - 1), h * (turned + 1), -0.4});
+    const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), down = cross(forward, right);
+    View view;
+    view.name = fmt::format("view_{:02}.png", i);
+    view.intrinsics = {width, height, 0.7 * width, 0.7 * width, 0.5 * width, 0.5 * height};
+    view.cam_from_world = inverse(Rigid{Mat3d{right, down, forward}, eye});
+    views.push_back(view);
+  }
+  return views;
 }
 
 }  // namespace vitrine::testing
