@@ -25,10 +25,11 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory,
+      log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
-  int threads = 0, max_gaussians = 0, frames = 0;
+  int threads = 0, max_gaussians = 0, frames = 0, blocks = 0;
   bool dry_run = false, no_preflight = false, no_progress = false, quiet = false, verbose = false, help = false;
 };
 
@@ -78,6 +79,8 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Results do not depend on it.");
   cli.value("max-memory", 0, "SIZE", a.max_memory, "Memory to stay below: 4GiB, 80%.");
   cli.value("max-gaussians", 0, "N", a.max_gaussians, 1, "Most Gaussians (the option max_gaussians of the stage that has it).");
+  cli.value("blocks", 0, "N", a.blocks, 1,
+            "For scenes larger than memory: split by place into N blocks, which are trained one after the other and joined.");
   cli.flag("no-preflight", 0, a.no_preflight, "Begin although the disk looks too small.");
   cli.section("reports");
   cli.value("log-format", 0, "text|json", a.log_format, "json: one record per line on stdout.");
@@ -146,6 +149,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("decompose.grey_card", a.grey_card, "--grey-card");
   flag("export.scale_bar", a.scale_bar, "--scale-bar");
   if (a.frames > 0) flag("ingest.frames", std::to_string(a.frames), "--frames");
+  if (a.blocks > 0) flag("optimize.blocks", std::to_string(a.blocks), "--blocks");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
   if (a.max_gaussians > 0) {

@@ -41,9 +41,8 @@ TEST_F(TinyRoom, TrainingThatDivergesKeepsItsCheckpointAndAllBeforeIt) {
   ASSERT_EQ(room(true_poses(), kTraining).exit, 0);
   const auto sane = digests();
   fs::remove_all(out());
-  const std::vector<std::string> wild =
-      training({"--set", "optimize.iterations=150", "--set", "optimize.rate_factor=20", "--set",
-                "optimize.loss.opacity=1000", "--set", "optimize.checkpoint_every=1"});
+  const std::vector<std::string> wild = training({"--set", "optimize.iterations=150", "--set", "optimize.rate_factor=20", "--set",
+                                                  "optimize.loss.opacity=1000", "--set", "optimize.checkpoint_every=1"});
   const Outcome first = room(true_poses(), wild);  // opacities fall until no surfel is left
   EXPECT_EQ(first.exit, 10) << first.text;
   EXPECT_TRUE(first.has("optimize   FAILED  GRADIENTS_NOT_FINITE")) << first.text;
@@ -64,6 +63,26 @@ TEST_F(TinyRoom, TrainingThatDivergesKeepsItsCheckpointAndAllBeforeIt) {
                               {"normals", "cached"},
                               {"optimize", "ran"}}));
   EXPECT_EQ(digests(), sane);
+}
+
+TEST_F(TinyRoom, TrainedInBlocksItIsOneSceneForAllStages) {
+  const std::vector<std::string> blocks{"--blocks", "2", "--set", "optimize.holdout_every=12"};
+  const std::string model = write_true_model();
+  const Outcome o = room(model, blocks);
+  ASSERT_EQ(o.exit, 0) << o.text;
+  EXPECT_EQ(json("optimize/report.json")["blocks"].size(), 2u);
+  EXPECT_TRUE(fs::exists(out() / "eval/metrics.json"));
+  EXPECT_TRUE(fs::exists(out() / "mesh/mesh.ply"));
+  EXPECT_TRUE(fs::exists(out() / "export/formats.json"));
+  EXPECT_EQ(room(model, blocks).exit, 0);
+  EXPECT_EQ(states().at("optimize"), "cached");
+}
+
+TEST_F(TinyRoom, MoreBlocksThanThePhotosAllowAreRefused) {
+  EXPECT_EQ(room(true_poses(), training({"--blocks", "0"})).exit, 2);
+  const Outcome many = room(write_true_model(), training({"--blocks", "9", "--set", "optimize.holdout_every=0"}));
+  EXPECT_EQ(many.exit, 2) << many.text;
+  EXPECT_TRUE(many.said("9 blocks are too many for 12 photos")) << many.text;
 }
 
 }  // namespace
