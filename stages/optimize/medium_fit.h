@@ -22,7 +22,7 @@ namespace vitrine {
 struct MediumSample {
   uint32_t point, photo;
   float distance;  // scene units, along the ray
-  Vec3f linear;    // before the gain
+  Vec3f linear;    // before the gain; mean over the same part of the surface in all photos of the point
 };
 
 // Samples of up to a few thousand points, ascending by point: pixels with a reliable stereo depth in every photo that has the

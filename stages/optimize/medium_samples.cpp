@@ -15,7 +15,11 @@ constexpr size_t kStereoPoints = 3000, kSparsePoints = 1000;
 constexpr size_t kFewestSamples = 3;      // of a point
 constexpr double kSameDepth_rel = 0.015;  // relative difference of depth
 constexpr float kLeastSpread = 1.1f;      // farthest over nearest distance of a point
-constexpr double kSampleBorder = 1;       // pixels
+// Side of the square of which a colour is the mean, pixels, in the farthest photo of the point. In nearer photos the square, the
+// pixel of the sensor and that of the interpolation have together the same variance on the surface. Otherwise detail that blurs
+// with the distance would look like haze.
+constexpr double kFarthestSide = 3;
+constexpr double kSampleBorder = 1;  // pixels
 
 // Photos at the size of the depth maps.
 class MediumPixels {
@@ -23,22 +27,35 @@ class MediumPixels {
   MediumPixels(const Capture& capture, const Targets& targets, const DenseDepth& dense)
       : capture_(capture), targets_(targets), dense_(dense) {}
 
-  // The pixel of a photo that shows `point`; nullopt: outside, clipped, glass, mirrors, ignored.
-  std::optional<MediumSample> at(uint32_t photo, const Vec3d& point) const {
-    const PhotoLevel& level = capture_.photos[photo].levels[dense_.level];
-    const auto q = image_point(point, level.view, 0, kSampleBorder);
-    if (!q) return std::nullopt;
-    const size_t pixel = level.view.intrinsics.index(int(q->x), int(q->y)), pixels = level.view.intrinsics.pixel_count();
+  const PhotoLevel& level(uint32_t photo) const { return capture_.photos[photo].levels[dense_.level]; }
+  // Neither glass nor mirror nor ignored.
+  bool matte(uint32_t photo, size_t pixel) const {
     const TargetLevel& target = targets_.photos[photo][dense_.level];
     for (const MaskClass mask : {MaskClass::Specular, MaskClass::Transparent, MaskClass::Ignore})
-      if (const auto& m = target.masks[size_t(mask)]; !m.empty() && m[pixel] > 0) return std::nullopt;
-    if (!target.coat.empty() && target.coat[pixel] > 0) return std::nullopt;
+      if (const auto& m = target.masks[size_t(mask)]; !m.empty() && m[pixel] > 0) return false;
+    return target.coat.empty() || target.coat[pixel] == 0;
+  }
+  // The photo's sample of `point`, without its colour; nullopt: outside, clipped, glass, mirrors, ignored.
+  std::optional<MediumSample> at(uint32_t photo, const Vec3d& point) const {
+    const PhotoLevel& seen = level(photo);
+    const auto q = image_point(point, seen.view, 0, kSampleBorder);
+    if (!q) return std::nullopt;
+    const size_t pixel = seen.view.intrinsics.index(int(q->x), int(q->y)), pixels = seen.view.intrinsics.pixel_count();
+    if (!matte(photo, pixel)) return std::nullopt;
     for (size_t c = 0; c < 3; ++c)
-      if (float(level.srgb[c * pixels + pixel]) >= kClippedSrgb * 65535.f) return std::nullopt;
-    return MediumSample{.point = 0,
-                        .photo = photo,
-                        .distance = static_cast<float>(length(point - level.view.centre_in_world())),
-                        .linear = linear_at(level, pixel)};
+      if (float(seen.srgb[c * pixels + pixel]) >= kClippedSrgb * 65535.f) return std::nullopt;
+    return MediumSample{
+        .point = 0, .photo = photo, .distance = static_cast<float>(length(point - seen.view.centre_in_world())), .linear = {}};
+  }
+  // Sets the colours of one point's samples.
+  void fill(const Vec3d& point, std::vector<MediumSample>& samples) const {
+    float farthest = 0;
+    for (const MediumSample& s : samples) farthest = std::max(farthest, s.distance);
+    for (MediumSample& s : samples) {
+      const double ratio = double(farthest / s.distance);
+      const double side = std::sqrt((kFarthestSide * kFarthestSide + 2) * ratio * ratio - 2);
+      s.linear = mean_around(level(s.photo), *image_point(point, level(s.photo).view), side);
+    }
   }
   // Whether the depth map of the photo has the surface of `point`.
   bool shows(uint32_t photo, const Vec3d& point) const {
@@ -51,6 +68,23 @@ class MediumPixels {
   }
 
  private:
+  // Mean over the square of this side, cut at the border of the photo.
+  static Vec3f mean_around(const PhotoLevel& level, const ImagePoint& at, double side) {
+    const Intrinsics& k = level.view.intrinsics;
+    const auto covered = [&](int pixel, double middle) {
+      return std::clamp(std::min(pixel + 1.0, middle + 0.5 * side) - std::max(double(pixel), middle - 0.5 * side), 0.0, 1.0);
+    };
+    Vec3d sum{};
+    double weights = 0;
+    for (int y = std::max(0, int(at.y - 0.5 * side)); y <= std::min(k.height - 1, int(at.y + 0.5 * side)); ++y)
+      for (int x = std::max(0, int(at.x - 0.5 * side)); x <= std::min(k.width - 1, int(at.x + 0.5 * side)); ++x) {
+        const double weight = covered(x, at.x) * covered(y, at.y);
+        sum += weight * cast<double>(linear_at(level, k.index(x, y)));
+        weights += weight;
+      }
+    return cast<float>(sum / weights);
+  }
+
   const Capture& capture_;
   const Targets& targets_;
   const DenseDepth& dense_;
@@ -78,6 +112,7 @@ std::vector<MediumSample> medium_samples(const Capture& capture, const Targets& 
       for (const uint32_t photo : point.views)
         if (std::ranges::binary_search(photos, photo))
           if (const auto sample = samples.at(photo, point.position)) found[i].push_back(*sample);
+      samples.fill(point.position, found[i]);
     } else {
       const uint32_t from = photos[rng.below(static_cast<uint32_t>(photos.size()))];
       const DepthMap& map = dense.maps[from];
@@ -90,6 +125,7 @@ std::vector<MediumSample> medium_samples(const Capture& capture, const Targets& 
       for (const uint32_t photo : photos)
         if (photo == from || samples.shows(photo, point))
           if (const auto sample = samples.at(photo, point)) found[i].push_back(*sample);
+      samples.fill(point, found[i]);
     }
     if (!informative(found[i])) found[i].clear();
     for (MediumSample& s : found[i]) s.point = static_cast<uint32_t>(i);

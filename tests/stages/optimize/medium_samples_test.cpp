@@ -1,0 +1,84 @@
+// Colours of points at several distances, of photos of a textured floor in air and in haze.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/foundation/base/rng.h"
+#include "stages/optimize/medium_fit.h"
+
+namespace vitrine {
+namespace {
+
+const MediumCoefficients<double> kHaze{{0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0.5, 0.55, 0.6}};
+constexpr int kWidth = 64, kHeight = 48, kSubpixels = 4;
+constexpr double kCell = 0.03;  // of the floor; a pixel covers 0.017 in the nearest photo and 0.052 in the farthest
+constexpr float kDarkestCell = 0.2f, kBrightestCell = 0.8f;
+
+float floor_radiance(double x, double y) {
+  const auto cell = [](double v) { return static_cast<uint64_t>(std::floor(v / kCell) + 1000); };
+  Rng rng(cell(x), cell(y));
+  return kDarkestCell + (kBrightestCell - kDarkestCell) * rng.uniform();
+}
+
+// Seven cameras look down on the floor z = 0, from 1 to 3 above it.
+struct FloorCapture {
+  Capture capture;
+  Targets targets;
+  DenseDepth dense;
+
+  explicit FloorCapture(const std::optional<MediumCoefficients<double>>& medium) {
+    dense.background = kWithoutParallax;
+    for (uint32_t i = 0; i < 7; ++i) {
+      View view;
+      view.name = fmt::format("view_{}.png", i);
+      view.intrinsics = {kWidth, kHeight, 0.9 * kWidth, 0.9 * kWidth, 0.5 * kWidth, 0.5 * kHeight};
+      const Vec3d eye{0.013 * i, 0.007 * i, 1 + i / 3.0};
+      view.cam_from_world = inverse(Rigid{Mat3d{Vec3d{1, 0, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, -1}}, eye});
+      capture.view_set.views.push_back(view);
+      capture.photos.push_back(make_photo(view, photo(view, eye, medium), kWidth));
+      capture.train.push_back(i);
+      StereoPhoto stereo;
+      stereo.view = view;
+      dense.photos.push_back(stereo);
+      DepthMap map;
+      map.width = kWidth, map.height = kHeight;
+      map.zdepth.assign(size_t(kWidth * kHeight), float(eye.z));
+      map.trusted.assign(size_t(kWidth * kHeight), 1);
+      dense.maps.push_back(map);
+    }
+    targets.photos.resize(capture.photos.size());
+  }
+
+  static ImageF photo(const View& view, const Vec3d& eye, const std::optional<MediumCoefficients<double>>& m) {
+    ImageF image(kWidth, kHeight, 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        double sum = 0;
+        for (int s = 0; s < kSubpixels * kSubpixels; ++s) {
+          const Vec3d ray =
+              view.intrinsics.ray(x + (s % kSubpixels + 0.5) / kSubpixels, y + (double(s / kSubpixels) + 0.5) / kSubpixels);
+          sum += double(floor_radiance(eye.x + eye.z * ray.x, eye.y - eye.z * ray.y)) / (kSubpixels * kSubpixels);
+        }
+        const double z = eye.z * length(view.intrinsics.ray(x + 0.5, y + 0.5));
+        for (size_t c = 0; c < 3; ++c)
+          image.pixel(x, y)[c] = float(m ? seen_through_medium(sum, z, 1.0, m->direct[c], m->backscatter[c], m->veil[c]) : sum);
+      }
+    return image;
+  }
+};
+
+// One pixel per photo instead of equal parts of the surface gives 0.81 and b = 0.80.
+TEST(MediumSamples, DetailThatBlursWithTheDistanceIsNoHaze) {
+  const FloorCapture air(std::nullopt);
+  const auto fit = fitted_medium(medium_samples(air.capture, air.targets, air.dense, 1), MediumKind::Haze);
+  ASSERT_TRUE(fit);
+  EXPECT_GT(fit->points, 500u);
+  EXPECT_LT(fit->depth, 0.1);
+  const FloorCapture haze(kHaze);
+  const auto found = fitted_medium(medium_samples(haze.capture, haze.targets, haze.dense, 1), MediumKind::Haze);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->medium.direct.x, kHaze.direct.x, 0.05);
+}
+
+}  // namespace
+}  // namespace vitrine
