@@ -29,16 +29,17 @@ std::optional<ChosenMedium> chosen_medium(WantedMedium wanted, const Capture& ca
                                           const std::function<const DenseDepth&()>& depth, uint64_t seed) {
   if (wanted == WantedMedium::Off) return std::nullopt;
   const std::vector<MediumSample> samples = medium_samples(capture, targets, depth(), seed);
+  const std::vector<DarkLevel> dark = dark_levels(capture, targets, depth());
   const bool guessed = wanted == WantedMedium::Auto;
   MediumKind kind = wanted == WantedMedium::Water ? MediumKind::Water : MediumKind::Haze;
-  std::optional<MediumFit> fit = fitted_medium(samples, kind);
+  std::optional<MediumFit> fit = fitted_medium(samples, kind, dark);
   if (!fit)
     return ChosenMedium{{},
                         fmt::format("no water or haze is removed: fewer than {} points are seen in three photos from different "
                                     "distances (more photos, nearer and farther ones)",
                                     kFewestMediumPoints)};
   if (guessed) {
-    const std::optional<MediumFit> water = fitted_medium(samples, MediumKind::Water);
+    const std::optional<MediumFit> water = fitted_medium(samples, MediumKind::Water, dark);
     if (water->gain > fit->gain + kWaterOverHaze) kind = MediumKind::Water, fit = water;
   }
   const std::string found = described(kind, *fit);

@@ -16,7 +16,8 @@ constexpr size_t kLeftOutEvery = 4;         // of the photos
 constexpr double kRobustResidual = 0.05;    // residuals beyond have little weight, relative to the noise below
 constexpr double kDark = 0.05;              // linear; the noise of a sample is proportional to sqrt(I + kDark)
 constexpr double kLeastCoefficient = 1e-3;  // of all coefficients
-constexpr double kMediumTie = 1e-3;         // score per sample and squared log of b_B / b_D
+// Score per sample and squared log of b_B / b_D. Of light of one wavelength both are the same number.
+constexpr double kMediumTie = 1e-2;
 constexpr int kReweightings = 2;
 
 // One channel of one sample.
@@ -40,8 +41,9 @@ struct MediumSolution {
 // Radiances of the points and the veil for given coefficients; b_D = b_B = 0 is a scene in air.
 class MediumChannel {
  public:
-  MediumChannel(std::span<const MediumSample> samples, std::span<const MediumPoint> points, size_t channel, size_t left_out)
-      : points_(points) {
+  MediumChannel(std::span<const MediumSample> samples, std::span<const MediumPoint> points, std::span<const DarkLevel> dark,
+                size_t channel, size_t left_out)
+      : points_(points), dark_(dark), channel_(channel) {
     for (const MediumSample& s : samples) {
       const double y = double(s.linear[channel]);
       values_.push_back(
@@ -57,7 +59,7 @@ class MediumChannel {
     }
     MediumSolution out;
     for (int pass = 0;; ++pass) {
-      out = {.veil = backscatter > 0 ? veil(d, s, w) : 0};
+      out = {.veil = backscatter > 0 ? std::min(veil(d, s, w), brightest_veil(backscatter)) : 0};
       size_t kept = 0, left_out = 0;
       for (const MediumPoint& p : points_) {
         const auto [clear, count] = radiance(p, d, s, w, out.veil);
@@ -94,6 +96,12 @@ class MediumChannel {
     }
     return bottom > 0 ? std::clamp(top / bottom, 0.0, 1.0) : 0;
   }
+  double brightest_veil(double backscatter) const {
+    double most = 1;
+    for (const DarkLevel& level : dark_)
+      most = std::min(most, level.linear[channel_] / -std::expm1(-backscatter * level.distance[channel_]));
+    return most;
+  }
   std::pair<double, size_t> radiance(const MediumPoint& p, const std::vector<double>& d, const std::vector<double>& s,
                                      const std::vector<double>& w, double veil) const {
     double top = 0, bottom = 0;
@@ -106,6 +114,8 @@ class MediumChannel {
   }
 
   std::span<const MediumPoint> points_;
+  std::span<const DarkLevel> dark_;
+  size_t channel_;
   std::vector<MediumValue> values_;
 };
 
@@ -147,10 +157,10 @@ struct Coefficients {
 };
 
 // `left_out`: of kLeftOutEvery; that number itself leaves out none.
-Coefficients fitted(std::span<const MediumSample> samples, std::span<const MediumPoint> points, MediumKind kind, size_t left_out,
-                    double scale) {
+Coefficients fitted(std::span<const MediumSample> samples, std::span<const MediumPoint> points, std::span<const DarkLevel> dark,
+                    MediumKind kind, size_t left_out, double scale) {
   std::vector<MediumChannel> channels;
-  for (size_t c = 0; c < 3; ++c) channels.emplace_back(samples, points, c, left_out);
+  for (size_t c = 0; c < 3; ++c) channels.emplace_back(samples, points, dark, c, left_out);
   std::array<Logs, 3> found{};
   if (kind == MediumKind::Haze)
     found.fill(searched(channels, true, scale));
@@ -170,7 +180,7 @@ Coefficients fitted(std::span<const MediumSample> samples, std::span<const Mediu
 
 }  // namespace
 
-std::optional<MediumFit> fitted_medium(std::span<const MediumSample> samples, MediumKind kind) {
+std::optional<MediumFit> fitted_medium(std::span<const MediumSample> samples, MediumKind kind, std::span<const DarkLevel> dark) {
   std::vector<MediumPoint> points;
   std::vector<double> distances;
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -184,11 +194,11 @@ std::optional<MediumFit> fitted_medium(std::span<const MediumSample> samples, Me
   fit.points = points.size();
   double error = 0, in_air = 0;
   for (size_t part = 0; part < kLeftOutEvery; ++part) {
-    const Coefficients c = fitted(samples, points, kind, part, scale);
+    const Coefficients c = fitted(samples, points, dark, kind, part, scale);
     error += c.left_out, in_air += c.left_out_in_air;
   }
   fit.gain = in_air > 0 ? 1 - error / in_air : 0;
-  fit.medium = fitted(samples, points, kind, kLeftOutEvery, scale).medium;
+  fit.medium = fitted(samples, points, dark, kind, kLeftOutEvery, scale).medium;
   for (size_t c = 0; c < 3; ++c) fit.depth = std::max(fit.depth, fit.medium.direct[c] * scale);
   return fit;
 }

@@ -1,6 +1,7 @@
 // Robust fit of water or haze before training (algorithms 5.11): a point of the scene, seen in several photos from different
 // distances z, has the colours  I_i = J e^(-b_D z_i) + B (1 - e^(-b_B z_i)). J of each point and B follow in closed form from b_D
-// and b_B (variable projection), which a grid and a pattern search find per channel.
+// and b_B (variable projection), which a grid and a pattern search find per channel. The darkest pixels of each distance limit B,
+// which the colours alone determine badly: b_B and B compensate each other.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,14 @@ struct MediumSample {
 // out, and points that are not seen from different distances.
 std::vector<MediumSample> medium_samples(const Capture& capture, const Targets& targets, const DenseDepth& dense, uint64_t seed);
 
+// What nearly all pixels of a range of distances exceed, per channel. Light that the medium scatters cannot be brighter:
+// B (1 - e^(-b_B z)) <= linear.
+struct DarkLevel {
+  Vec3d distance, linear;  // of the pixel at the limit, along the ray and before the gain
+};
+// Of ranges of 10 % of the distance, from reliable pixels of dense stereo without glass, mirrors and ignored pixels.
+std::vector<DarkLevel> dark_levels(const Capture& capture, const Targets& targets, const DenseDepth& dense);
+
 struct MediumFit {
   MediumCoefficients<double> medium;
   size_t points = 0;
@@ -39,7 +48,8 @@ struct MediumFit {
 };
 inline constexpr size_t kFewestMediumPoints = 60;
 // nullopt: fewer points.
-std::optional<MediumFit> fitted_medium(std::span<const MediumSample> samples, MediumKind kind);
+std::optional<MediumFit> fitted_medium(std::span<const MediumSample> samples, MediumKind kind,
+                                       std::span<const DarkLevel> dark = {});
 
 // What training starts with, by the option; nullopt with `Off`.
 struct ChosenMedium {

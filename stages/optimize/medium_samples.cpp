@@ -19,7 +19,10 @@ constexpr float kLeastSpread = 1.1f;      // farthest over nearest distance of a
 // pixel of the sensor and that of the interpolation have together the same variance on the surface. Otherwise detail that blurs
 // with the distance would look like haze.
 constexpr double kFarthestSide = 3;
-constexpr double kSampleBorder = 1;  // pixels
+constexpr double kSampleBorder = 1;        // pixels
+constexpr float kDarkRange = 1.1f;         // farthest over nearest distance of a range
+constexpr size_t kFewestDarkPixels = 200;  // of a range of distances
+constexpr double kDarkShare = 0.01;        // of its pixels
 
 // Photos at the size of the depth maps.
 class MediumPixels {
@@ -133,6 +136,40 @@ std::vector<MediumSample> medium_samples(const Capture& capture, const Targets& 
   std::vector<MediumSample> all;
   for (const auto& of_point : found) all.insert(all.end(), of_point.begin(), of_point.end());
   return all;
+}
+
+std::vector<DarkLevel> dark_levels(const Capture& capture, const Targets& targets, const DenseDepth& dense) {
+  struct Seen {
+    float distance;
+    Vec3f linear;
+  };
+  const MediumPixels pixels(capture, targets, dense);
+  std::vector<Seen> all;
+  for (const uint32_t photo : capture.train) {
+    const DepthMap& map = dense.maps[photo];
+    const PhotoLevel& level = pixels.level(photo);
+    const Intrinsics& k = level.view.intrinsics;
+    for (size_t i = 0; i < map.zdepth.size(); ++i) {
+      if (!map.reliable(i) || double(map.zdepth[i]) > 0.5 * dense.background || !pixels.matte(photo, i)) continue;
+      const auto width = static_cast<size_t>(k.width);
+      const double ray = length(k.ray(double(i % width) + 0.5, double(i / width) + 0.5));
+      all.push_back({float(ray * double(map.zdepth[i])), linear_at(level, i)});
+    }
+  }
+  std::ranges::sort(all, {}, &Seen::distance);
+  std::vector<DarkLevel> levels;
+  for (auto from = all.begin(); from != all.end();) {
+    const auto to = std::ranges::upper_bound(from, all.end(), kDarkRange * from->distance, {}, &Seen::distance);
+    const auto limit = from + static_cast<std::ptrdiff_t>(kDarkShare * double(to - from));
+    DarkLevel level{};
+    for (size_t c = 0; c < 3 && size_t(to - from) >= kFewestDarkPixels; ++c) {
+      std::ranges::nth_element(from, limit, to, {}, [c](const Seen& s) { return s.linear[c]; });
+      level.distance[c] = double(limit->distance), level.linear[c] = double(limit->linear[c]);
+    }
+    if (size_t(to - from) >= kFewestDarkPixels) levels.push_back(level);
+    from = to;
+  }
+  return levels;
 }
 
 }  // namespace vitrine

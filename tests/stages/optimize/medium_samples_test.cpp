@@ -1,4 +1,4 @@
-// Colours of points at several distances, of photos of a textured floor in air and in haze.
+// Colours of points at several distances and the darkest pixels, of photos of a textured floor in air and in haze.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -78,6 +78,32 @@ TEST(MediumSamples, DetailThatBlursWithTheDistanceIsNoHaze) {
   const auto found = fitted_medium(medium_samples(haze.capture, haze.targets, haze.dense, 1), MediumKind::Haze);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->medium.direct.x, kHaze.direct.x, 0.05);
+}
+
+TEST(MediumSamples, DarkLevelsAreThoseOfTheFloorAndIgnoreMaskedPixels) {
+  FloorCapture air(std::nullopt);
+  constexpr size_t kBlack = 400;  // pixels of each photo, more than 1 % of a range
+  for (uint32_t photo : air.capture.train) {
+    PhotoLevel& level = air.capture.photos[photo].levels[0];
+    auto& ignored = air.targets.photos[photo][0].masks[size_t(MaskClass::Ignore)];
+    ignored.assign(level.view.intrinsics.pixel_count(), 0);
+    for (size_t i = 0; i < kBlack; ++i) {
+      ignored[i] = 255;
+      for (size_t c = 0; c < 3; ++c) level.srgb[c * ignored.size() + i] = 0;
+    }
+  }
+  const std::vector<DarkLevel> levels = dark_levels(air.capture, air.targets, air.dense);
+  ASSERT_GT(levels.size(), 6u);
+  for (size_t i = 0; i < levels.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_GE(levels[i].distance[c], i == 0 ? 1 : levels[i - 1].distance[c]);
+      EXPECT_LT(levels[i].distance[c], 4);
+      EXPECT_GE(levels[i].linear[c], double(kDarkestCell) - 1e-3);
+      EXPECT_LT(levels[i].linear[c], 0.45);
+    }
+  air.targets = {};
+  air.targets.photos.resize(air.capture.photos.size());
+  EXPECT_LT(dark_levels(air.capture, air.targets, air.dense)[0].linear.x, 0.01);
 }
 
 }  // namespace

@@ -57,6 +57,33 @@ TEST(MediumFit, FindsOneCoefficientOfHaze) {
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(fit->medium.veil[c], kHaze.veil[c], 0.04);
 }
 
+// All points are near; what the medium adds to far surfaces is known from the darkest pixels alone.
+TEST(MediumFit, DarkPixelsLimitTheBackscatterOfFarSurfaces) {
+  std::vector<MediumSample> near_by = samples_in(kWater, 400);
+  for (MediumSample& s : near_by) {
+    const double z = double(s.distance), nearer = 0.6 + 0.2 * (z - 0.6);
+    for (size_t c = 0; c < 3; ++c) {
+      const double clear =
+          (double(s.linear[c]) - kWater.veil[c] * (1 - std::exp(-kWater.backscatter[c] * z))) * std::exp(kWater.direct[c] * z);
+      s.linear[c] = float(seen_through_medium(clear, nearer, 1.0, kWater.direct[c], kWater.backscatter[c], kWater.veil[c]));
+    }
+    s.distance = float(nearer);
+  }
+  const auto added = [](const MediumCoefficients<double>& m, size_t c, double z) {
+    return m.veil[c] * (1 - std::exp(-m.backscatter[c] * z));
+  };
+  std::vector<DarkLevel> dark;
+  for (const double z : {0.7, 2.0, 3.5})
+    dark.push_back({{z, z, z}, {added(kWater, 0, z), added(kWater, 1, z), added(kWater, 2, z)}});
+  const auto free = fitted_medium(near_by, MediumKind::Water), limited = fitted_medium(near_by, MediumKind::Water, dark);
+  ASSERT_TRUE(free && limited);
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_LE(added(limited->medium, c, 3.5), 1.001 * dark.back().linear[c] + 1e-3) << c;
+    EXPECT_NEAR(limited->medium.direct[c], kWater.direct[c], 0.04) << c;
+  }
+  EXPECT_GT(added(free->medium, 2, 3.5), 1.05 * dark.back().linear.z);
+}
+
 TEST(MediumFit, ExplainsNothingInAir) {
   for (const MediumKind kind : {MediumKind::Water, MediumKind::Haze}) {
     const auto fit = fitted_medium(samples_in(std::nullopt, 400), kind);
