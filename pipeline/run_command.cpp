@@ -25,8 +25,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory,
-      log_format = "text";
+  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0, frames = 0, blocks = 0;
@@ -149,17 +148,20 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("decompose.grey_card", a.grey_card, "--grey-card");
   flag("export.scale_bar", a.scale_bar, "--scale-bar");
   if (a.frames > 0) flag("ingest.frames", std::to_string(a.frames), "--frames");
-  if (a.blocks > 0) flag("optimize.blocks", std::to_string(a.blocks), "--blocks");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
-  if (a.max_gaussians > 0) {
+  // Of the stage that has the option.
+  const auto flag_of_stage = [&](const std::string& name, int value, const std::string& origin) {
+    if (value <= 0) return;
     const auto& all = settings.options.table.options;
-    const auto option = std::find_if(all.begin(), all.end(), [](const Option& o) { return o.path.ends_with(".max_gaussians"); });
+    const auto option = std::find_if(all.begin(), all.end(), [&](const Option& o) { return o.path.ends_with("." + name); });
     if (option == all.end())
-      throw Error(ErrorKind::Usage, "--max-gaussians is of no use here: no stage has the option",
+      throw Error(ErrorKind::Usage, fmt::format("{} is of no use here: no stage has the option", origin),
                   {.hint = "leave it out", .code = "USAGE"});
-    flag(option->path, std::to_string(a.max_gaussians), "--max-gaussians");
-  }
+    flag(option->path, std::to_string(value), origin);
+  };
+  flag_of_stage("max_gaussians", a.max_gaussians, "--max-gaussians");
+  flag_of_stage("blocks", a.blocks, "--blocks");
   return desc;
 }
 

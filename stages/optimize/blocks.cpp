@@ -10,10 +10,6 @@ namespace vitrine {
 
 namespace {
 
-// A photo trains a block if at least this share of its sparse points lies in the cell, or its camera stands there. Small, because
-// the sky behind a cell, which has no points, may be seen from other cells alone.
-constexpr double kSeenShare = 0.02;
-
 double along(const Vec2d& direction, const Vec3d& p) { return direction.x * p.x + direction.y * p.y; }
 
 // Horizontal direction of the largest variance.
@@ -83,9 +79,15 @@ size_t BlockCells::cell_of(const Vec3d& position) const {
 }
 
 BlockPlan planned_blocks(const ViewSet& views, std::span<const uint32_t> train, int blocks) {
+  // A photo trains a block if at least this share of its sparse points lies in the cell, or its camera stands there. Small,
+  // because the sky behind a cell, which has no points, may be seen from other cells alone.
+  constexpr double kSeenShare = 0.02;
+  constexpr size_t kFewestPhotos = 10;
   if (views.points.empty())
     throw Error(ErrorKind::Input, "no sparse point shows which photos see which block",
-                {.hint = "leave out --blocks, or photos with more overlap and texture", .code = "NO_SPARSE_POINTS"});
+                {.why = "the sfm stage found none, or poses without points were given",
+                 .hint = "leave out --blocks, or photos with more overlap and texture",
+                 .code = "NO_SPARSE_POINTS"});
   std::vector<Vec3d> centres;
   for (uint32_t v : train) centres.push_back(views.views[v].centre_in_world());
   BlockPlan plan{BlockCells(centres, blocks), std::vector<Block>(size_t(blocks))};
@@ -110,10 +112,10 @@ BlockPlan planned_blocks(const ViewSet& views, std::span<const uint32_t> train, 
     });
     block.photo_share = double(block.photo_count) / double(train.size());
     block.point_share = double(points) / double(views.points.size());
-    if (block.photo_count >= kFewestBlockPhotos) continue;
+    if (block.photo_count >= kFewestPhotos) continue;
     throw Error(ErrorKind::Usage, fmt::format("{} blocks are too many for {} photos", blocks, train.size()),
                 {.why = fmt::format("block {} would have {} photos to train on, at least {} are needed", b + 1, block.photo_count,
-                                    kFewestBlockPhotos),
+                                    kFewestPhotos),
                  .hint = blocks > 2 ? fmt::format("--blocks {}", blocks / 2) : "leave out --blocks",
                  .code = "BLOCKS_TOO_MANY"});
   }

@@ -15,8 +15,6 @@
 
 namespace vitrine {
 
-inline constexpr size_t kFewestBlockPhotos = 10;  // training photos of a block
-
 class BlockCells {
  public:
   // `centres`: of the cameras, scene units. Throws Error{Usage} if they do not fall into `blocks` places.

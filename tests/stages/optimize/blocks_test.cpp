@@ -129,7 +129,7 @@ TEST_F(Blocks, TooManyBlocksAreRefused) {
   EXPECT_TRUE(fs::is_empty(context.output()));
 }
 
-TEST_F(Blocks, MasksOfAnObjectAskWhetherItStandsStill) {
+TEST_F(Blocks, MasksOfAnObjectAreRefusedUnlessItStandsStill) {
   OptimizeConfig config;
   configure(config, 2, 10);
   TestContext context(sfm(), work("object"));
