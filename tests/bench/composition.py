@@ -24,13 +24,18 @@ from array import array
 
 
 def exr(path):
-    """Pixels of a file as rows of (r, g, b), linear; a mask as its value three times."""
+    """Pixels of an EXR file as rows of (r, g, b), linear."""
     probe = subprocess.run(["ffprobe", "-v", "error", "-show_entries", "stream=width,height", "-of", "csv=p=0", path], check=True, capture_output=True, text=True)
     width, height = map(int, probe.stdout.strip().split(",")[:2])
     raw = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-pix_fmt", "gbrpf32le", "-f", "rawvideo", "-"], check=True, capture_output=True).stdout
     planes = array("f", raw)
     n = width * height
     return (width, height), list(zip(planes[2 * n:3 * n], planes[:n], planes[n:2 * n]))
+
+
+def inside(path):
+    """Pixels of a mask: True in it."""
+    return [v > 127 for v in subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-pix_fmt", "gray", "-f", "rawvideo", "-"], check=True, capture_output=True).stdout]
 
 
 def srgb(v):
@@ -110,10 +115,10 @@ def main():
             stem = path.stem
             _, truth = exr(path)
             _, without = exr(work / "host/truth/relit" / sky / path.name)
-            _, mask = exr(work / f"both/truth/mask/object/{stem}.png")
+            mask = inside(work / f"both/truth/mask/object/{stem}.png")
             ours, alone = picture("composed", stem), picture("run_host", stem)
             for t, w, m, o, a in zip(truth, without, mask, ours, alone):
-                if m[1] > 0.5:
+                if m:
                     guest_pixels.append((t, o))
                 elif max(abs(t[c] - w[c]) for c in range(3)) > 0.02 * max(*w, 1e-3):
                     shadow.append((t, o)), alone_shadow.append((w, a))
@@ -121,8 +126,8 @@ def main():
                     steady.append((t, o)), alone_steady.append((w, a))
         for path in sorted((work / "guest/truth/relit" / sky).glob("*.exr")):
             _, truth = exr(path)
-            _, mask = exr(work / f"guest/truth/mask/object/{path.stem}.png")
-            own_pixels += [(t, o) for t, m, o in zip(truth, mask, picture("run_guest", path.stem)) if m[1] > 0.5]
+            mask = inside(work / f"guest/truth/mask/object/{path.stem}.png")
+            own_pixels += [(t, o) for t, m, o in zip(truth, mask, picture("run_guest", path.stem)) if m]
         rows = {"guest": (psnr(guest_pixels, gains(guest_pixels)), psnr(own_pixels, gains(own_pixels)), len(guest_pixels)),
                 "shadow": (psnr(shadow, gains(steady)), psnr(alone_shadow, gains(alone_steady)), len(shadow))}
         for region, (composed, alone, count) in rows.items():

@@ -9,8 +9,8 @@
 namespace vitrine {
 namespace {
 
-const MediumCoefficients<double> kHaze{{0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0.5, 0.55, 0.6}};
-constexpr int kWidth = 64, kHeight = 48, kSubpixels = 4;
+const MediumCoefficients<double> kFloorHaze{{0.4, 0.4, 0.4}, {0.4, 0.4, 0.4}, {0.5, 0.55, 0.6}};
+constexpr int kFloorWidth = 64, kFloorHeight = 48, kSubpixels = 4;
 constexpr double kCell = 0.03;  // of the floor; a pixel covers 0.017 in the nearest photo and 0.052 in the farthest
 constexpr float kDarkestCell = 0.2f, kBrightestCell = 0.8f;
 
@@ -31,28 +31,28 @@ struct FloorCapture {
     for (uint32_t i = 0; i < 7; ++i) {
       View view;
       view.name = fmt::format("view_{}.png", i);
-      view.intrinsics = {kWidth, kHeight, 0.9 * kWidth, 0.9 * kWidth, 0.5 * kWidth, 0.5 * kHeight};
+      view.intrinsics = {kFloorWidth, kFloorHeight, 0.9 * kFloorWidth, 0.9 * kFloorWidth, 0.5 * kFloorWidth, 0.5 * kFloorHeight};
       const Vec3d eye{0.013 * i, 0.007 * i, 1 + i / 3.0};
       view.cam_from_world = inverse(Rigid{Mat3d{Vec3d{1, 0, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, -1}}, eye});
       capture.view_set.views.push_back(view);
-      capture.photos.push_back(make_photo(view, photo(view, eye, medium), kWidth));
+      capture.photos.push_back(make_photo(view, photo(view, eye, medium), kFloorWidth));
       capture.train.push_back(i);
       StereoPhoto stereo;
       stereo.view = view;
       dense.photos.push_back(stereo);
       DepthMap map;
-      map.width = kWidth, map.height = kHeight;
-      map.zdepth.assign(size_t(kWidth * kHeight), float(eye.z));
-      map.trusted.assign(size_t(kWidth * kHeight), 1);
+      map.width = kFloorWidth, map.height = kFloorHeight;
+      map.zdepth.assign(size_t(kFloorWidth * kFloorHeight), float(eye.z));
+      map.trusted.assign(size_t(kFloorWidth * kFloorHeight), 1);
       dense.maps.push_back(map);
     }
     targets.photos.resize(capture.photos.size());
   }
 
   static ImageF photo(const View& view, const Vec3d& eye, const std::optional<MediumCoefficients<double>>& m) {
-    ImageF image(kWidth, kHeight, 3);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
+    ImageF image(kFloorWidth, kFloorHeight, 3);
+    for (int y = 0; y < kFloorHeight; ++y)
+      for (int x = 0; x < kFloorWidth; ++x) {
         double sum = 0;
         for (int s = 0; s < kSubpixels * kSubpixels; ++s) {
           const Vec3d ray =
@@ -74,10 +74,10 @@ TEST(MediumSamples, DetailThatBlursWithTheDistanceIsNoHaze) {
   ASSERT_TRUE(fit);
   EXPECT_GT(fit->points, 500u);
   EXPECT_LT(fit->depth, 0.1);
-  const FloorCapture haze(kHaze);
+  const FloorCapture haze(kFloorHaze);
   const auto found = fitted_medium(medium_samples(haze.capture, haze.targets, haze.dense, 1), MediumKind::Haze);
   ASSERT_TRUE(found);
-  EXPECT_NEAR(found->medium.direct.x, kHaze.direct.x, 0.05);
+  EXPECT_NEAR(found->medium.direct.x, kFloorHaze.direct.x, 0.05);
 }
 
 TEST(MediumSamples, DarkLevelsAreThoseOfTheFloorAndIgnoreMaskedPixels) {
