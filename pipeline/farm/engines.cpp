@@ -12,8 +12,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kLeastMemory_mib = 2048;  // for stages without an estimate
-
 fs::path program(const char* name, const char* package) {
   const auto found = find_program(name);
   if (!found)
@@ -34,18 +32,18 @@ int submitted(const Words& words) {
 
 std::string slurm_script(const fs::path& results, const std::vector<FarmTask>& tasks, int at_once) {
   int cores = 1;
-  size_t memory = 0;
+  size_t memory = kLeastTaskMemory;
   double hours = 0;
   for (const FarmTask& t : tasks) {
     cores = std::max(cores, t.cores);
-    memory = std::max(memory, (t.memory_bytes >> 20) + 1);
+    memory = std::max(memory, t.memory_bytes);
     hours = std::max(hours, t.hours);
   }
   const std::string farm =
       join_command({(own_folder() / "vitrine").string(), "farm", "task", results.string(), "--index", "auto"});
   std::string text = "#!/bin/bash\n#SBATCH --job-name=vitrine\n";
   text += fmt::format("#SBATCH --array=1-{}{}\n", tasks.size(), at_once > 0 ? fmt::format("%{}", at_once) : "");
-  text += fmt::format("#SBATCH --cpus-per-task={}\n#SBATCH --mem={}M\n", cores, std::max(memory, kLeastMemory_mib));
+  text += fmt::format("#SBATCH --cpus-per-task={}\n#SBATCH --mem={}M\n", cores, (memory + (size_t(1) << 20) - 1) >> 20);
   text += fmt::format("#SBATCH --time={}\n", std::max(int(std::ceil(60 * hours)), 10));  // minutes
   text += fmt::format("#SBATCH --output={}\n", (results / "logs" / "%a.log").string());
   text += "#SBATCH --open-mode=append\n#SBATCH --requeue\n#SBATCH --signal=B:TERM@120\n\n";

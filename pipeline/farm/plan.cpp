@@ -15,8 +15,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kLeastMemory = size_t(1) << 30;
-constexpr size_t kProbed = 8;  // photos whose size is read
+constexpr size_t kFilmPhotos = 120;  // of films, without --frames
+constexpr size_t kProbed = 8;        // photos whose size is read
 constexpr size_t kHeaderBytes = 1 << 16;
 
 bool is_folder(const fs::path& path) {
@@ -54,14 +54,16 @@ CaptureSize size_of(const PhotoFolder& folder, size_t film_photos) {
 void estimate(const Graph& graph, const PhotoFolder& folder, FarmTask& task) {
   Settings settings(graph);
   SettingsDesc desc{.flags = {{"input.photos", task.photos.string(), "PHOTOS"}}};
+  size_t film_photos = kFilmPhotos;
   for (size_t i = 0; i + 1 < task.options.size(); ++i) {
     if (task.options[i] == "--preset") desc.flags.push_back({"preset", task.options[i + 1], "--preset"});
     if (task.options[i] == "--masks") desc.flags.push_back({"input.masks", task.options[i + 1], "--masks"});
+    if (task.options[i] == "--frames") film_photos = std::strtoul(task.options[i + 1].c_str(), nullptr, 10);
     if (task.options[i] == "--set") desc.sets.push_back(task.options[i + 1]);
     if (task.options[i] == "-c" || task.options[i] == "--config") desc.configs.push_back(task.options[i + 1]);
   }
   settings.load(desc);
-  CaptureSize capture = size_of(folder, std::stoul(settings.text("ingest.frames")));
+  CaptureSize capture = size_of(folder, film_photos);
   capture.masks = gives_masks(settings);
   const CostTerms terms = cost_terms(settings, capture, task.cores);
   double seconds = 0;
@@ -71,7 +73,7 @@ void estimate(const Graph& graph, const PhotoFolder& folder, FarmTask& task) {
     seconds += answer.costs[0].seconds(task.cores);
     task.memory_bytes = std::max(task.memory_bytes, size_t(kUsualCostError * double(answer.costs[0].memory_bytes)));
   }
-  task.memory_bytes = std::max(task.memory_bytes, kLeastMemory);
+  task.memory_bytes = std::max(task.memory_bytes, kLeastTaskMemory);
   task.hours = kUsualCostError * seconds / 3600;
 }
 

@@ -11,6 +11,9 @@
 
 namespace vitrine {
 
+// No task gets less: `mesh` refuses a limit below twice its fusion.memory_mb, whatever the scene needs.
+inline constexpr size_t kLeastTaskMemory = size_t(2) << 30;
+
 struct FarmTask {
   std::string capture;     // name of its folder
   fs::path photos;         // a folder of photos or films

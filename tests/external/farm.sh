@@ -23,6 +23,7 @@ cleanup() {
   kill "${pids[@]}" 2>/dev/null || true
   pkill -x slurmd || true
   pkill -x slurmctld || true
+  sleep 2  # the daemons write their state when they end
   rm -rf "$work"
 }
 trap cleanup EXIT
