@@ -9,7 +9,7 @@
 
 --box: the objects of the guest in the frame of its truth (metres). For each environment of the truth it prints the PSNR (sRGB) of
   guest   the pixels of the guest in the composition, and of the objects in the guest's own scene, relit alone
-  shadow  the pixels of the host that the guest changes by 2 % or more in the truth, and the same pixels of the host relit alone
+  shadow  the pixels of the host that the guest changes by 10 % or more in the truth, and the same pixels of the host relit alone
 Each picture is multiplied by the median of truth / ours per channel, over the guest or over the host where the guest changes nothing:
 one capture does not tell how bright its albedo is. Needs ffmpeg.
 """
@@ -120,7 +120,7 @@ def main():
             for t, w, m, o, a in zip(truth, without, mask, ours, alone):
                 if m:
                     guest_pixels.append((t, o))
-                elif max(abs(t[c] - w[c]) for c in range(3)) > 0.02 * max(*w, 1e-3):
+                elif max(abs(t[c] - w[c]) for c in range(3)) > 0.1 * max(*w, 1e-3):
                     shadow.append((t, o)), alone_shadow.append((w, a))
                 else:
                     steady.append((t, o)), alone_steady.append((w, a))

@@ -54,9 +54,10 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/foundation/math/",
        R"(nth_element)",
        "std::nth_element(values.begin(), middle, values.end());",
-       {"core/scene/mesh/mesh_distance.cpp",   // splits nodes of a tree of triangles
-        "core/render/relight/subsurface.cpp",  // and of vertices
-        "core/intake/photos/measures.cpp"}},   // uses the part on one side
+       {"core/scene/mesh/mesh_distance.cpp",     // splits nodes of a tree of triangles
+        "core/render/relight/subsurface.cpp",    // and of vertices
+        "core/intake/photos/measures.cpp",       // uses the part on one side
+        "stages/optimize/medium_samples.cpp"}},  // the element, not its value: its distance counts, too
       {"KdTree of core/foundation/math/kd_tree.h",
        "core/foundation/math/",
        R"(class \w*(Kd|Point)(Tree|Grid)\b)",

@@ -162,9 +162,7 @@ std::pair<std::vector<Oriented>, double> cut_through(const Indicator& indicator,
 
 TriMesh poisson_surface(std::span<const Vec3f> points, std::span<const Vec3f> normals, PoissonReport* report,
                         const std::function<void(double)>& progress) {
-  if (points.size() != normals.size())
-    throw Error(ErrorKind::Usage, "a Poisson surface needs a normal per point",
-                {.why = fmt::format("{} points, {} normals", points.size(), normals.size()), .code = "BAD_POINTS"});
+  VITRINE_CHECK(points.size() == normals.size(), "{} points, {} normals", points.size(), normals.size());
   PoissonReport unused, &r = report ? *report : unused;
   r = {};
   const auto report_progress = [&](double f) {
