@@ -31,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSolidVoxels = 0.75;                    // vertices within this distance of an optimised solid are moved onto it
-constexpr double kClosedSeconds = 0.25, kClosedMib = 6;  // of a closed surface, per thousand points
+constexpr double kClosedSeconds = 1, kClosedMib = 8;  // of a closed surface, per thousand points
 constexpr double kMirrorVoxels = 3;                      // a surface farther in front of a mirror is another object
 
 Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
