@@ -76,6 +76,7 @@ struct MeshConfig {
 };
 void describe(Describer& d, MeshConfig& c);
 
+void run_mesh(const MeshConfig& config, StageContext& context);
 Stage mesh_stage();
 StageCost mesh_cost(const CostTerms& terms);
 StageReport mesh_report();
