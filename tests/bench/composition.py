@@ -4,8 +4,9 @@
     G="build/bin/vitrine-generate gallery --size 192x144"
     $G --seed 1 -o host && $G --seed 5 -o guest
     for step in geometry relit; do $G --seed 1 --guest 5 --guest-place 0.36,-0.28,20,0.6 --only $step -o both; done
-    for s in host guest; do build/bin/vitrine run $s/photos -o run_$s --poses $s/truth/transforms.json --preset preview; done
-    tests/bench/composition.py --place=0.36,-0.28,20,0.6 --box=-0.3,-0.3,0.004,0.3,0.3,0.4
+    for s in host guest; do build/bin/vitrine run $s/photos -o run_$s --poses $s/truth/transforms.json --preset preview --set optimize.layers=diffuse \\
+        --set optimize.iterations=900 --set optimize.max_gaussians=20000; done
+    tests/bench/composition.py --place=0.36,-0.28,20,0.6 --box=-0.3,-0.3,0.004,0.3,0.3,0.4 --spp 16
 
 --box: the objects of the guest in the frame of its truth (metres). For each environment of the truth it prints the PSNR (sRGB) of
   guest   the pixels of the guest in the composition, and of the objects in the guest's own scene, relit alone
