@@ -122,7 +122,7 @@ endif()
 function(vitrine_share_headers target)
   get_target_property(way ${target} VITRINE_HEADERS)
   get_target_property(libraries ${target} LINK_LIBRARIES)
-  if(NOT VITRINE_MERGE OR libraries MATCHES "OpenMP" OR way STREQUAL "none")  # other options need another precompiled header
+  if(NOT VITRINE_MERGE OR libraries MATCHES "OpenMP")  # other options need another precompiled header
     return()
   endif()
   if(NOT way)
