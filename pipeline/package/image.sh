@@ -25,10 +25,14 @@ root="$(realpath -m "${3:-$work/root}")"
 trap 'umount -R "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$work"' EXIT
 
 release="$(. /etc/os-release && echo "$VERSION_CODENAME")"
-mirror="$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1 || true)"
+# The suites of this machine, security updates among them: the package depends on the versions of the libraries that are installed here.
+suites="$(apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' 'Origin: Debian' 2>/dev/null | sort -u || true)"
+[ -n "$suites" ] || suites="deb http://deb.debian.org/debian $release main"
+mirror="$(awk -v release="$release" '$3 == release { print $2; exit }' <<<"$suites")"
 rm -rf --one-file-system "$root"
 debootstrap --variant=minbase "$release" "$root" "${mirror:-http://deb.debian.org/debian}" >"$work/log" 2>&1 || { tail -n 5 "$work/log" >&2; fail 1 "debootstrap failed"; }
 # What this machine needs to reach the mirror is no part of the image.
+printf '%s\n' "$suites" >"$root/etc/apt/sources.list"
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
 apt-config dump 2>/dev/null | grep -iE '^Acquire::https?::Proxy' >"$root/etc/apt/apt.conf.d/90proxy" || true
 mount -t proc proc "$root/proc"
@@ -37,7 +41,7 @@ chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LAN
   'apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/vitrine.deb && apt-get clean' >"$work/log" 2>&1 || { tail -n 20 "$work/log" >&2; fail 1 "the package could not be installed"; }
 umount "$root/proc"
 rm -rf "$root"/tmp/vitrine.deb "$root"/var/lib/apt/lists/* "$root/etc/apt/apt.conf.d/90proxy" "$root/etc/resolv.conf"
-echo 'deb http://deb.debian.org/debian '"$release"' main' >"$root/etc/apt/sources.list"
+sed -i -E 's#^deb \S+ (\S+-security) #deb http://deb.debian.org/debian-security \1 #; t; s#^deb \S+ #deb http://deb.debian.org/debian #' "$root/etc/apt/sources.list"
 
 build=(buildah --root "$work/storage" --runroot "$work/run" --storage-driver vfs)
 container="$("${build[@]}" from scratch)"

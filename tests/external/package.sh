@@ -24,7 +24,7 @@ source "$checkout/pipeline/setup.sh"
 install_packages "${VITRINE_PACKAGES[@]}" debootstrap buildah lintian help2man dpkg-dev fakeroot
 
 programs=(vitrine vitrine-report vitrine-farm $(sed -n 's/^set(VITRINE_\(STAGES\|TOOLS\) \([a-z ]*\))$/\2/p' "$checkout/stages/CMakeLists.txt" | tr ' ' '\n' | sed 's/^/vitrine-/'))
-build "$checkout/build" "${programs[@]}" vitrine_page
+build "$checkout/build" "${programs[@]}" vitrine_page vitrine_python
 say "package"
 rm -f "$checkout"/build/vitrine_*.deb
 (cd "$checkout/build" && cpack --config CPackConfig.cmake)
