@@ -31,10 +31,20 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-KeyTerms key_terms(const Stage& stage, const std::map<std::string, ResolvedInput>& inputs) {
+// A file that an option names counts by its content, as inputs do; one that is missing is reported by the stage itself.
+std::string key_value(const Option& option, DigestCache& digests) {
+  if (option.names_file) {
+    const fs::path file = *std::get<std::string*>(option.target);
+    std::error_code ec;
+    if (fs::is_regular_file(file, ec)) return digests.digest(fs::absolute(file));
+  }
+  return canonical_value(option);
+}
+
+KeyTerms key_terms(const Stage& stage, const std::map<std::string, ResolvedInput>& inputs, DigestCache& digests) {
   KeyTerms terms = {{"stage", stage.info.name}, {"version", std::to_string(stage.info.version)}};
   for (const Option& o : stage.options.options)
-    if (o.affects_result) terms["option." + o.path] = canonical_value(o);
+    if (o.affects_result) terms["option." + o.path] = key_value(o, digests);
   for (const auto& [name, input] : inputs) terms["input." + name] = input.content_digest;
   if (stage.fingerprints)
     for (const auto& [name, value] : stage.fingerprints()) terms["tool." + name] = value;
@@ -97,7 +107,7 @@ class Run : public StageContext {
     manifest_.stage = stage_.info.name;
     manifest_.version = stage_.info.version;
     manifest_.tool_version = VITRINE_VERSION;
-    manifest_.terms = key_terms(stage_, inputs_);
+    manifest_.terms = key_terms(stage_, inputs_, store.digests());
     manifest_.key = key_of(manifest_.terms);
     for (const Option& o : stage_.options.options) manifest_.options.push_back({o.path, o.text(), o.origin});
     if (arguments_.print_key) {

@@ -27,7 +27,8 @@ void describe(Describer& d, EvaluateConfig& c) {
       .range(0, 4096);
   d.option("relit_views", c.relit_views, "Views to look at under each of the truth's other lights.").range(1, 10000);
   d.option("lpips", c.lpips,
-           "safetensors file with VGG16 and the weights of LPIPS (core/learn/loss/README.md); empty = LPIPS is not measured.");
+           "safetensors file with VGG16 and the weights of LPIPS (core/learn/loss/README.md); empty = LPIPS is not measured.")
+      .file();
   d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
       .range(1e-6, 1);
 }

@@ -84,6 +84,20 @@ TEST_F(StageMain, KeyDependsOnWhatChangesTheResultAndOnNothingElse) {
   EXPECT_NE(key({}), plain);
 }
 
+TEST_F(StageMain, FileOfAnOptionCountsForTheKeyByItsContent) {
+  const fs::path foot = folder.path() / "foot.txt", other = folder.path() / "other.txt";
+  const auto with = [&](const fs::path& file) { return key({"--set", "foot=" + file.string()}); };
+  const std::string missing = with(foot);
+  write_file(foot, "1 May\n");
+  write_file(other, "1 May\n");
+  const std::string before = with(foot);
+  EXPECT_NE(before, key({}));
+  EXPECT_NE(before, missing);
+  EXPECT_EQ(with(other), before);
+  write_file(foot, "2 May\n");
+  EXPECT_NE(with(foot), before);
+}
+
 TEST_F(StageMain, FilesThatAGivenFileRefersToCountForTheKey) {
   const StageInfo info{.name = "any",
                        .inputs = {{.name = "list", .artifact = false, .also = [](const fs::path& list) {

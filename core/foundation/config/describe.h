@@ -37,6 +37,7 @@ struct Option {
   std::optional<double> low, high;   // inclusive range of numbers
   std::vector<std::string> choices;  // allowed words of a string option
   bool affects_result = true;        // false: not in the cache key (threads, log level, preview period)
+  bool names_file = false;           // the cache key holds the digest of the file, not its path
   std::string origin = "default";    // "default", "preset preview", "vitrine.yaml:14:3", "--set"
 
   std::string type() const;  // "bool", "int", "float", "string", "float list", "string list"
@@ -65,6 +66,10 @@ class OptionRef {
   }
   OptionRef& affects_output(bool yes) {
     option_->affects_result = yes;
+    return *this;
+  }
+  OptionRef& file() {
+    option_->names_file = true;
     return *this;
   }
 

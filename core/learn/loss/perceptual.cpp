@@ -30,7 +30,8 @@ class PerceptualLoss final : public Loss {
   PerceptualLoss(std::string weights, int crop, int every) : weights_(std::move(weights)), crop_(crop), every_(every) {}
   std::string_view name() const override { return "perceptual"; }
   void describe_options(Describer& d) override {
-    d.option("vgg", weights_, "safetensors file of a VGG network (core/learn/loss/README.md); empty = no perceptual loss.");
+    d.option("vgg", weights_, "safetensors file of a VGG network (core/learn/loss/README.md); empty = no perceptual loss.")
+        .file();
   }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {

@@ -23,6 +23,7 @@ void describe(Describer& d, CollectConfig& c) {
       .choices({"no", "input", "memory", "exception", "check", "crash"})
       .affects_output(false);
   d.option("label", c.label, "First line of the list.");
+  d.option("foot", c.foot, "File with the last lines of the list.").file();
 }
 void describe(Describer& d, UpperConfig& c) {
   d.option("reverse", c.reverse, "Whether lines are reversed.");
@@ -81,6 +82,7 @@ void run_collect(const CollectConfig& c, StageContext& context) {
     }
     throw_if_interrupted();
   }
+  if (!c.foot.empty()) text += read_file(c.foot);
   write_file(context.output() / "collect/list.txt", text);
   for (const std::string& name : names) write_file(context.output() / "names" / (name + ".txt"), name);
   context.metric("files", static_cast<double>(names.size()));

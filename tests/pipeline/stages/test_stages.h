@@ -16,6 +16,7 @@ struct CollectConfig {
   bool warn = false;
   std::string fail = "no";  // how to fail after half of the steps
   std::string label;
+  std::string foot;  // file with the last lines
 };
 struct UpperConfig {
   bool reverse = false;
