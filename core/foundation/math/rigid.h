@@ -15,7 +15,7 @@ using Quatf = Quat<float>;
 using Quatd = Quat<double>;
 
 template <class T>
-Quat<T> normalized(const Quat<T>& q) {
+VITRINE_HD Quat<T> normalized(const Quat<T>& q) {
   using std::sqrt;
   const T n = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {q.w / n, q.x / n, q.y / n, q.z / n};
@@ -23,7 +23,7 @@ Quat<T> normalized(const Quat<T>& q) {
 
 // Rotation matrix of a unit quaternion; for surfels R = [r0 r1 n] (algorithms 1.1).
 template <class T>
-Mat3<T> rotation_matrix(const Quat<T>& q) {
+VITRINE_HD Mat3<T> rotation_matrix(const Quat<T>& q) {
   const T w = q.w, x = q.x, y = q.y, z = q.z, one(1), two(2);
   return {{one - two * (y * y + z * z), two * (x * y + w * z), two * (x * z - w * y)},
           {two * (x * y - w * z), one - two * (x * x + z * z), two * (y * z + w * x)},
@@ -32,7 +32,7 @@ Mat3<T> rotation_matrix(const Quat<T>& q) {
 
 // Gradient of rotation_matrix(normalized(raw)) on the raw, not necessarily unit, quaternion. G = dL/dR (algorithms 1.7).
 template <class T>
-Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
+VITRINE_HD Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   using std::sqrt;
   const T norm = sqrt(raw.w * raw.w + raw.x * raw.x + raw.y * raw.y + raw.z * raw.z);
   const T w = raw.w / norm, x = raw.x / norm, y = raw.y / norm, z = raw.z / norm, two(2);

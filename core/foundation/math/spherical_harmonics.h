@@ -9,10 +9,10 @@
 namespace vitrine {
 
 constexpr float kShDc = 0.28209479177387814f;
-constexpr size_t sh_coefficient_count(int degree) { return static_cast<size_t>((degree + 1) * (degree + 1)); }
+VITRINE_HD constexpr size_t sh_coefficient_count(int degree) { return static_cast<size_t>((degree + 1) * (degree + 1)); }
 
 // Fills basis[k] for k < sh_coefficient_count(degree); `dir` is a unit vector.
-template <class T> void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
+template <class T> VITRINE_HD void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
   const T x = dir.x, y = dir.y, z = dir.z;
   basis[0] = T(kShDc);
   if (degree < 1) return;
@@ -38,7 +38,7 @@ template <class T> void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
 }
 
 // Gradient of sum_k weight[k] * basis[k] with respect to `dir` (three independent coordinates).
-template <class T> Vec3<T> sh_basis_vjp(int degree, const Vec3<T>& dir, const T* weight) {
+template <class T> VITRINE_HD Vec3<T> sh_basis_vjp(int degree, const Vec3<T>& dir, const T* weight) {
   Vec3<T> g{T(0), T(0), T(0)};
   if (degree < 1) return g;
   const T x = dir.x, y = dir.y, z = dir.z;

@@ -4,11 +4,12 @@
 
 #include <cmath>
 
+#include "core/foundation/math/vec.h"
 #include "core/scene/surfels/attributes.h"
 
 namespace vitrine {
 
-template <class T> T sigmoid(const T& x) {
+template <class T> VITRINE_HD T sigmoid(const T& x) {
   using std::exp;
   return T(1) / (T(1) + exp(-x));
 }

@@ -19,22 +19,22 @@ VITRINE_INLINE T blend_weight(const T& alpha, const T& transmittance) {
 
 // k as defined above.
 template <class T>
-T distortion_scale(const T& near_z, const T& far_z) {
+VITRINE_HD T distortion_scale(const T& near_z, const T& far_z) {
   return far_z * near_z / (far_z - near_z);
 }
 
 template <class T>
 struct DistortionSums {
   T a{}, q1{}, q2{};  // sum w, sum w q, sum w q^2
-  void add(const T& w, const T& q) {
+  VITRINE_HD void add(const T& w, const T& q) {
     a += w;
     q1 += w * q;
     q2 += w * q * q;
   }
   // d distortion / d w of a fragment at q, and d distortion / d z through q = 1/z - pivot, for k = 1.
-  T value() const { return a * q2 - q1 * q1; }
-  T weight_slope(const T& q) const { return q2 + q * (q * a - T(2) * q1); }
-  T depth_slope(const T& w, const T& q, const T& inv_z) const { return T(-2) * w * (q * a - q1) * inv_z * inv_z; }
+  VITRINE_HD T value() const { return a * q2 - q1 * q1; }
+  VITRINE_HD T weight_slope(const T& q) const { return q2 + q * (q * a - T(2) * q1); }
+  VITRINE_HD T depth_slope(const T& w, const T& q, const T& inv_z) const { return T(-2) * w * (q * a - q1) * inv_z * inv_z; }
 };
 
 // L = sum_j w_j V_j with w_j = alpha_j prod_{front}(1 - alpha): dL/d alpha_i = T_i V_i - (sum_{j behind i} w_j V_j)/(1 -

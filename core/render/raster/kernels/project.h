@@ -51,7 +51,7 @@ struct Projection {
 };
 
 template <class T>
-Projection<T> project(const SurfelGeometry<T>& s, const Camera<T>& camera) {
+VITRINE_HD Projection<T> project(const SurfelGeometry<T>& s, const Camera<T>& camera) {
   using std::exp;
   Projection<T> p;
   p.frame = rotation_matrix(normalized(s.rotation));
@@ -86,7 +86,7 @@ Projection<T> project(const SurfelGeometry<T>& s, const Camera<T>& camera) {
 
 // False for NaN, behind or at the near plane, exactly edge-on, or too transparent.
 template <class T>
-auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
+VITRINE_HD auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
   const T size = select(p.det < T(0), -p.det, p.det);
   return (p.map.z0 > near_z) & (size > T(kEdgeOn) * p.scale) & (opacity > T(kMinAlpha));
 }
@@ -99,8 +99,8 @@ struct ProjectionGrad {
 
 // Reverse of project: from gradients of the map's nine numbers and of the facing normal to gradients of the raw geometry.
 template <class T>
-ProjectionGrad<T> project_vjp(const SurfelGeometry<T>& s, const Camera<T>& camera, const Projection<T>& p, const ScreenMap<T>& g,
-                              const Vec3<T>& grad_normal) {
+VITRINE_HD ProjectionGrad<T> project_vjp(const SurfelGeometry<T>& s, const Camera<T>& camera, const Projection<T>& p,
+                                         const ScreenMap<T>& g, const Vec3<T>& grad_normal) {
   const T inv = T(1) / p.det, z0 = p.map.z0, inv_z = T(1) / z0, wu = p.a_u.z, wv = p.a_v.z;
   const T g_det =
       -inv * (g.m00 * p.map.m00 + g.m01 * p.map.m01 + g.m10 * p.map.m10 + g.m11 * p.map.m11 + g.h0 * p.map.h0 + g.h1 * p.map.h1);

@@ -4,23 +4,25 @@
 
 #include <cmath>
 
+#include "core/foundation/math/vec.h"
+
 // The per-fragment kernels return structs of SIMD registers: without inlining they would pass through memory.
-#define VITRINE_INLINE inline __attribute__((always_inline))
+#define VITRINE_INLINE VITRINE_HD inline __attribute__((always_inline))
 
 namespace vitrine {
 
 template <class T>
-T select(bool condition, const T& a, const T& b) {
+VITRINE_HD T select(bool condition, const T& a, const T& b) {
   return condition ? a : b;
 }
 // exp(-rho/2)
 template <class T>
-T gaussian(const T& rho) {
+VITRINE_HD T gaussian(const T& rho) {
   using std::exp;
   return exp(T(-0.5) * rho);
 }
 template <class T>
-T reciprocal(const T& x) {
+VITRINE_HD T reciprocal(const T& x) {
   return T(1) / x;
 }
 

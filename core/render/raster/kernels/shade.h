@@ -31,7 +31,7 @@ struct ShColour {
 
 // `h`: coefficient k of channel c is h[3 * k + c].
 template <class T>
-ShColour<T> sh_colour(int degree, const Vec3<T>& mean, const Vec3<T>& eye, const T* h) {
+VITRINE_HD ShColour<T> sh_colour(int degree, const Vec3<T>& mean, const Vec3<T>& eye, const T* h) {
   ShColour<T> s;
   s.offset = mean - eye;
   sh_basis(degree, normalized(s.offset), s.basis);
@@ -44,7 +44,7 @@ ShColour<T> sh_colour(int degree, const Vec3<T>& mean, const Vec3<T>& eye, const
 
 // Writes grad_h[3 * k + c] (overwrites) and returns the gradient of the mean through the direction.
 template <class T>
-Vec3<T> sh_colour_vjp(int degree, const ShColour<T>& s, const T* h, const Vec3<T>& grad_value, T* grad_h) {
+VITRINE_HD Vec3<T> sh_colour_vjp(int degree, const ShColour<T>& s, const T* h, const Vec3<T>& grad_value, T* grad_h) {
   Vec3<T> g;
   for (size_t c = 0; c < 3; ++c) g[c] = select(s.sum[c] > T(0), grad_value[c], T(0));
   T weight[kMaxShCoefficients];

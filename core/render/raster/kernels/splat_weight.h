@@ -83,7 +83,7 @@ template <class T>
 struct SplatMoments {
   T num_u{}, num_u_x{}, num_u_y{}, num_v{}, num_v_x{}, num_v_y{}, den{}, den_x{}, den_y{}, disc_x{}, disc_y{}, weight{}, z0{};
 
-  void add(const SampleGrad<T>& g, const T& dx, const T& dy) {
+  VITRINE_HD void add(const SampleGrad<T>& g, const T& dx, const T& dy) {
     num_u += g.num_u;
     num_u_x += g.num_u * dx;
     num_u_y += g.num_u * dy;
@@ -108,7 +108,7 @@ struct SplatGrad {
 
 // Without low-pass no fragment is a disc, so its slope applies to both cases.
 template <class T>
-SplatGrad<T> splat_grad(const SplatMoments<T>& m, const ScreenMap<T>& map, const T& opacity) {
+VITRINE_HD SplatGrad<T> splat_grad(const SplatMoments<T>& m, const ScreenMap<T>& map, const T& opacity) {
   const T slope(kLowPassInvVariance);
   SplatGrad<T> g;
   g.map.m00 = m.num_u_x;
