@@ -1,0 +1,83 @@
+// Registers and memory of the kernels for a GPU, as the CUDA compiler lists them. Skipped in a build without one.
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "core/foundation/base/file.h"
+
+namespace vitrine {
+namespace {
+
+struct KernelUsage {
+  int registers = -1, stack = -1, spilled = -1;  // registers of a thread; bytes of a thread
+};
+
+// By the name of the kernel (mangled) and of the architecture; from the lines that `ptxas -v` prints.
+std::map<std::pair<std::string, std::string>, KernelUsage> read_usage(const std::string& text) {
+  std::map<std::pair<std::string, std::string>, KernelUsage> all;
+  const std::regex entry("Compiling entry function '(\\w+)' for '(\\w+)'"), registers("Used (\\d+) registers");
+  const std::regex memory("(\\d+) bytes stack frame, (\\d+) bytes spill stores, (\\d+) bytes spill loads");
+  KernelUsage* current = nullptr;
+  std::istringstream lines(text);
+  std::smatch m;
+  for (std::string line; std::getline(lines, line);) {
+    if (std::regex_search(line, m, entry)) current = &all[{m[1], m[2]}];
+    if (current == nullptr) continue;
+    if (std::regex_search(line, m, registers)) current->registers = std::stoi(m[1]);
+    if (std::regex_search(line, m, memory)) {
+      current->stack = std::stoi(m[1]);
+      current->spilled = std::stoi(m[2]) + std::stoi(m[3]);
+    }
+  }
+  return all;
+}
+
+TEST(DeviceUsage, ReadsTheLinesOfTheCompiler) {
+  const auto usage = read_usage(
+      "ptxas info    : Compiling entry function '_Z1fv' for 'sm_80'\nptxas info    : Function properties for _Z1fv\n"
+      "    8 bytes stack frame, 4 bytes spill stores, 12 bytes spill loads\n"
+      "ptxas info    : Used 53 registers, used 0 barriers, 400 bytes cmem[0]\n");
+  ASSERT_EQ(usage.size(), 1u);
+  const KernelUsage u = usage.at({"_Z1fv", "sm_80"});
+  EXPECT_EQ(u.registers, 53);
+  EXPECT_EQ(u.stack, 8);
+  EXPECT_EQ(u.spilled, 16);
+}
+
+// A multiprocessor has 65536 registers: threads of 32 registers fill it (2048 threads), with 64 it runs half as many. All values
+// stay in registers: nothing is spilled to memory.
+TEST(DeviceUsage, KernelsStayInTheirRegisters) {
+  const fs::path file = fs::path(VITRINE_BIN_DIR).parent_path() / "device/kernels_on_device.usage";
+  if (!fs::exists(file)) GTEST_SKIP() << "built without a CUDA compiler";
+  const auto usage = read_usage(read_file(file));
+  const std::map<std::string, int> most{{"project_surfels", 32},
+                                        {"project_surfels_vjp", 56},
+                                        {"shade_surfels", 40},
+                                        {"blend_pixels", 40},
+                                        {"blend_pixels_vjp", 64}};
+  for (const auto& [kernel, registers] : most) {
+    const std::string mangled = "_ZN7vitrine" + std::to_string(kernel.size()) + kernel + "E";
+    for (const std::string architecture : {"sm_80", "sm_90"}) {
+      SCOPED_TRACE(kernel + " for " + architecture);
+      size_t found = 0;
+      for (const auto& [key, u] : usage) {
+        if (!key.first.starts_with(mangled) || key.second != architecture) continue;
+        ++found;
+        EXPECT_GT(u.registers, 0);
+        EXPECT_LE(u.registers, registers);
+        EXPECT_EQ(u.stack, 0);
+        EXPECT_EQ(u.spilled, 0);
+        std::cout << kernel << " " << architecture << ": " << u.registers << " registers\n";
+      }
+      EXPECT_EQ(found, 1u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
