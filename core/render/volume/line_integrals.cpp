@@ -1,24 +1,21 @@
 #include "core/render/volume/line_integrals.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
 #include "core/render/volume/kernels/density.h"
 #include "core/render/volume/kernels/exponential.h"
+#include "core/render/volume/tile_sums.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr int kLanes = 8;
-constexpr int kSums = 13;  // of WhitenedGradient: offset, matrix by columns, log_density
 constexpr size_t kGaussiansPerTask = 128;
 using Prepared = LineIntegrals::Prepared;
 using Tile = RayTiles::Tile;
-using InstanceSums = std::array<float, kSums>;
 
 struct Extent {
   Vec3d mean;  // relative to the pivot
@@ -65,26 +62,9 @@ void add_integrals(const Prepared& g, const Tile& tile, std::array<float, RayTil
   for (size_t i = 0; i < RayTiles::kRays; ++i) sums[i] += evaluate(g, tile, i).value;
 }
 
-using RayValues = std::array<float, RayTiles::kRays>;
-
-// Eight partial sums, added in their order.
-inline float sum_of_products(const RayValues& a, const RayValues& b) {
-  using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
-  Lanes sum{};
-  for (size_t begin = 0; begin < RayTiles::kRays; begin += kLanes) {
-    Lanes x, y;
-    std::memcpy(&x, &a[begin], sizeof x);
-    std::memcpy(&y, &b[begin], sizeof y);
-    sum += x * y;
-  }
-  float total = 0;
-  for (size_t k = 0; k < kLanes; ++k) total += sum[k];
-  return total;
-}
-
 // Sums over the rays of a tile, as kernels/density.h.
-InstanceSums gradient_sums(const Prepared& g, const Tile& tile, const RayValues& gradient) {
-  alignas(64) std::array<RayValues, 3> offset, of_origin, of_direction;
+WhitenedSums gradient_sums(const Prepared& g, const Tile& tile, const RayValues& gradient) {
+  alignas(64) RayVectors offset, of_origin, of_direction;
   alignas(64) RayValues value;
   for (size_t i = 0; i < RayTiles::kRays; ++i) {
     const Lane l = evaluate(g, tile, i);
@@ -95,14 +75,7 @@ InstanceSums gradient_sums(const Prepared& g, const Tile& tile, const RayValues&
     of_origin[0][i] = origin.x, of_origin[1][i] = origin.y, of_origin[2][i] = origin.z;
     of_direction[0][i] = direction.x, of_direction[1][i] = direction.y, of_direction[2][i] = direction.z;
   }
-  InstanceSums out{};
-  RayValues ones;
-  ones.fill(1.f);
-  for (size_t row = 0; row < 3; ++row) {
-    out[row] = sum_of_products(of_origin[row], ones);
-    for (size_t j = 0; j < 3; ++j)
-      out[3 + 3 * j + row] = sum_of_products(offset[j], of_origin[row]) + sum_of_products(tile.direction[j], of_direction[row]);
-  }
+  WhitenedSums out = whitened_sums(tile, offset, of_origin, of_direction);
   out[12] = sum_of_products(gradient, value);
   return out;
 }
@@ -162,7 +135,7 @@ void LineIntegrals::backward(std::span<const float> gradient, std::span<Gaussian
   const size_t width = size_t(rays_.width());
   VITRINE_CHECK(gradient.size() == width * size_t(rays_.height()) && out.size() == gaussians_.size(),
                 "gradients of other rays or Gaussians");
-  std::vector<InstanceSums> sums(tile_of_.size());
+  std::vector<WhitenedSums> sums(tile_of_.size());
   parallel_for(rays_.tiles().size(), 1, [&](size_t t) {
     const Tile& tile = rays_.tiles()[t];
     alignas(64) std::array<float, RayTiles::kRays> of_rays{};  // 0 for rays beyond the picture
@@ -176,15 +149,10 @@ void LineIntegrals::backward(std::span<const float> gradient, std::span<Gaussian
     }
   });
   parallel_for(gaussians_.size(), kGaussiansPerTask, [&](size_t i) {
-    std::array<double, kSums> total{};
+    std::array<double, kWhitenedSums> total{};
     for (size_t k = first_[i]; k < first_[i + 1]; ++k)
-      for (size_t s = 0; s < kSums; ++s) total[s] += double(sums[k][s]);
-    const WhitenedGradient<double> white{
-        {total[0], total[1], total[2]},
-        {{total[3], total[4], total[5]}, {total[6], total[7], total[8]}, {total[9], total[10], total[11]}},
-        total[12]};
-    const Gaussian3d g = cast<double>(gaussians_[i]);
-    const auto added = values_of(cast<float>(whitened_vjp(g, whitened(g), white)));
+      for (size_t s = 0; s < kWhitenedSums; ++s) total[s] += double(sums[k][s]);
+    const Gaussian3Gradient added = gradient_of_sums(gaussians_[i], total);
     for (size_t v = 0; v < added.size(); ++v) out[i][v] += added[v];
   });
 }

@@ -33,6 +33,16 @@ class LineIntegrals {
     float peak;    // rho sqrt(2 pi)
   };
 
+  // The pairs, for other sums over the same tiles: an instance is a Gaussian in a tile, numbered by Gaussian, then tile.
+  const RayTiles& rays() const { return rays_; }
+  std::span<const Gaussian3f> gaussians() const { return gaussians_; }
+  const Prepared& prepared_at(uint32_t gaussian) const { return prepared_[gaussian]; }
+  uint32_t gaussian_of(uint32_t instance) const { return gaussian_of_[instance]; }
+  std::span<const uint32_t> instances_of_tile(size_t tile) const {
+    return std::span(tile_instances_).subspan(tile_first_[tile], tile_first_[tile + 1] - tile_first_[tile]);
+  }
+  size_t first_instance(size_t gaussian) const { return first_[gaussian]; }  // up to gaussians().size()
+
  private:
   const RayTiles& rays_;
   std::span<const Gaussian3f> gaussians_;
