@@ -13,6 +13,7 @@ namespace vitrine {
 
 namespace {
 
+constexpr int kFarthest = -50;  // exponent of rays far from a Gaussian: denormal products with gradients would be slow
 constexpr size_t kGaussiansPerTask = 128;
 using Prepared = LineIntegrals::Prepared;
 using Tile = RayTiles::Tile;
@@ -54,7 +55,7 @@ inline __attribute__((always_inline)) Lane evaluate(const Prepared& g, const Til
   l.inverse = 1.f / squared_length(l.direction);
   l.along = -dot(o, l.direction) * l.inverse;
   l.closest = o + l.along * l.direction;
-  l.value = g.peak * std::sqrt(l.inverse) * exponential(-0.5f * squared_length(l.closest));
+  l.value = g.peak * std::sqrt(l.inverse) * exponential<kFarthest>(-0.5f * squared_length(l.closest));
   return l;
 }
 
