@@ -18,6 +18,7 @@ int inspect_command(const Words& words);
 int report_command(const Words& words);
 int edit_command(const Words& words);
 int compose_command(const Words& words);
+int ct_command(const Words& words);
 int status_command(const Words& words);
 int explain_command(const Words& words);
 int doctor_command(const Words& words);

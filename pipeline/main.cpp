@@ -30,6 +30,7 @@ constexpr Command kCommands[] = {
     {"view", "one page that shows the scene in a browser: OUT/view.html", view_command},
     {"edit", "changes to a finished scene: materials, deletion; replayable", edit_command},
     {"compose", "several finished scenes, or objects of them, in one", compose_command},
+    {"ct", "a volume from X-ray projections: slices, NRRD, surface", ct_command},
     {"export", "the scene in other programs' formats; --list shows what each holds", export_command},
     {"report", "one page about the run and its result: OUT/report.html", report_command},
     {"status", "which stages of an output folder are up to date", status_command},

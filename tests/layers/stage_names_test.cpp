@@ -41,6 +41,7 @@ constexpr Exception kExceptions[] = {
     {"pages.cpp", "view sfm optimize refine mesh decompose masks objects", "vitrine view"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks objects", "vitrine edit, and which results an edit replaces"},
     {"compose_command.cpp", "compose view sfm optimize mesh decompose masks objects", "vitrine compose: the artifacts it makes"},
+    {"ct_command.cpp", "tomography", "vitrine ct"},
     {"farm/plan.cpp", "masks", "the folder masks/ next to photos"},
     {"farm/status.cpp", "view", "links to the pages of a run"},
     {"python/finished_run.cpp", "sfm optimize refine mesh decompose edit", "the artifacts of which a scene is made"},
