@@ -5,7 +5,7 @@
 namespace vitrine {
 
 // Beside their entry functions.
-std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), compositions_corpus(), records_corpus();
+std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), compositions_corpus(), records_corpus(), scans_corpus();
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> metashape_corpus(), opensfm_corpus(), openmvg_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), materials_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(),
@@ -60,6 +60,7 @@ std::span<const FuzzFormat> fuzz_formats() {
       {"marks", fuzz_marks, marks_corpus, yaml},
       {"edits", fuzz_edits, edits_corpus, yaml},
       {"compositions", fuzz_compositions, compositions_corpus, yaml},
+      {"scans", fuzz_scans, scans_corpus, yaml},
       {"records", fuzz_records, records_corpus, json},
       {"objects", fuzz_objects, objects_corpus, json},
       {"colmap_binary", fuzz_colmap_binary, colmap_binary_corpus, {kPartMark, "../", "\0"sv}},

@@ -28,6 +28,7 @@ void fuzz_lights(std::span<const uint8_t> bytes);
 void fuzz_marks(std::span<const uint8_t> bytes);
 void fuzz_edits(std::span<const uint8_t> bytes);
 void fuzz_compositions(std::span<const uint8_t> bytes);
+void fuzz_scans(std::span<const uint8_t> bytes);
 void fuzz_objects(std::span<const uint8_t> bytes);
 void fuzz_colmap_binary(std::span<const uint8_t> bytes);
 void fuzz_colmap_text(std::span<const uint8_t> bytes);

@@ -1,4 +1,4 @@
-// YAML and JSON files: configurations, lights, marks, edits, compositions; the records that stages leave for each other and for the report.
+// YAML and JSON files: configurations, lights, marks, edits, compositions, X-ray scans; the records that stages leave for each other and for the report.
 #include "core/foundation/artifact/manifest.h"
 #include "core/foundation/config/schema.h"
 #include "core/intake/masks/marks_check.h"
@@ -11,6 +11,7 @@
 #include "stages/compose/compose.h"
 #include "stages/edit/edit.h"
 #include "stages/masks/boxes/marks_file.h"
+#include "stages/tomography/scan_file.h"
 #include "tests/core/foundation/config/example.h"
 #include "tests/fuzz/entry.h"
 
@@ -72,6 +73,15 @@ void fuzz_compositions(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("scene.yaml", text_of(bytes));
   refuses_or_reads([&] { composition_files(path); });
   refuses_or_reads([&] { read_composition(path); });
+}
+
+// Three pictures lie in the folder; their pixels are not read.
+void fuzz_scans(std::span<const uint8_t> bytes) {
+  make_folders(fuzz_folder() / "scan/views");
+  const fs::path path = input_file("scan/scan.yaml", text_of(bytes));
+  for (const char* name : {"scan/views/a.png", "scan/views/b.png", "scan/views/c.png"}) input_file(name, "");
+  refuses_or_reads([&] { scan_pictures(path); });
+  refuses_or_reads([&] { read_scan(path); });
 }
 
 // photos.json, scene.json, gains.json, views.json, a manifest, run.json, a line of events.jsonl, a CSV: all readers get the same
@@ -137,6 +147,12 @@ std::vector<std::string> compositions_corpus() {
       "parts:\n  - project: room\n  - project: ../kettle\n    name: a kettle\n    edited: true\n    select: {object: kettle}\n"
       "    place: {translate: [0.5, 0, -0.25], rotate: {axis: [0, 0, 1], angle: 30}, scale: 1.5}\n",
       "parts:\n  - {project: room, place: {scale: 2}}\n", "parts:\n  - {project: room, select: all}\n"};
+}
+
+std::vector<std::string> scans_corpus() {
+  return {"beam: cone\nsource_distance: 100\ndetector_distance: 150.5\npixel_size: 0.2\nunit: mm\ndetector_offset: [0.1, -2]\n"
+          "angles: {first: 0, step: 120}\nprojections: views\nflat: 0.9\ndark: 0.01\n",
+          "beam: parallel\npixel_size: 0.02\nangles: [0, 45, 90]\nprojections: [views/a.png, views/b.png, views/c.png]\nabsorption: 4\n"};
 }
 
 std::vector<std::string> records_corpus() {
