@@ -1,5 +1,7 @@
 #include "stages/page_text.h"
 
+#include <zlib.h>
+
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/hash.h"
@@ -43,6 +45,16 @@ PagePart json_part(std::string id, const nlohmann::ordered_json& json) {
 }
 
 PagePart bytes_part(std::string id, std::string_view bytes) { return {std::move(id), "text/plain", base64(bytes)}; }
+
+std::string deflated(std::string_view bytes) {
+  uLongf size = compressBound(bytes.size());
+  std::string out(size, '\0');
+  const int result = compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                               bytes.size(), Z_BEST_COMPRESSION);
+  VITRINE_CHECK(result == Z_OK, "zlib: {}", result);
+  out.resize(size);
+  return out;
+}
 
 std::string page_of(const std::string& empty_page, const std::vector<PagePart>& parts) {
   const size_t at = empty_page.find(kPlace);

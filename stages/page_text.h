@@ -23,6 +23,8 @@ struct PagePart {
 };
 PagePart json_part(std::string id, const nlohmann::ordered_json& json);  // escaped, so that the text cannot close the element
 PagePart bytes_part(std::string id, std::string_view bytes);             // base64
+// zlib stream (RFC 1950); browsers decode it with DecompressionStream("deflate").
+std::string deflated(std::string_view bytes);
 
 // Throws Error{Dependency} when the page has no placeholder for data: it belongs to another build.
 std::string page_of(const std::string& empty_page, const std::vector<PagePart>& parts);

@@ -20,11 +20,11 @@ endfunction()
 
 if(NOT VITRINE_SANITIZE AND NPM AND NODE)
   vitrine_npm_packages(vitrine_page_packages FROM ${VITRINE_PAGES_HOME} WORK ${VITRINE_PAGES_WORK}
-                       WITHOUT "`vitrine view` and `vitrine mark` have no page")
+                       WITHOUT "`vitrine view`, `vitrine mark` and `vitrine ct` have no page")
   set(VITRINE_PAGES_PACKAGES ${VITRINE_PAGES_WORK}/node_modules/.package-lock.json CACHE INTERNAL "")
   add_custom_target(vitrine_page)  # all pages
 elseif(NOT VITRINE_SANITIZE)
-  message(STATUS "npm or node is missing: `vitrine view` and `vitrine mark` will have no page (Debian: apt-get install nodejs npm)")
+  message(STATUS "npm or node is missing: `vitrine view`, `vitrine mark` and `vitrine ct` will have no page (Debian: apt-get install nodejs npm)")
 endif()
 
 # vitrine_page(stage): called in the folder of the stage.

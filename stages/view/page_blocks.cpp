@@ -1,11 +1,8 @@
 #include "stages/view/page_blocks.h"
 
 #include <half.h>
-#include <zlib.h>
 
 #include <algorithm>
-
-#include "core/foundation/base/error.h"
 
 namespace vitrine {
 
@@ -45,16 +42,6 @@ void PageBlocks::words(std::string_view name, std::span<const uint16_t> values, 
 }
 void PageBlocks::indices(std::string_view name, std::span<const uint32_t> values, int width) {
   add(name, "u32", values.data(), values.size(), sizeof(uint32_t), width);
-}
-
-std::string deflated(std::string_view bytes) {
-  uLongf size = compressBound(bytes.size());
-  std::string out(size, '\0');
-  const int result = compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                               bytes.size(), Z_BEST_COMPRESSION);
-  VITRINE_CHECK(result == Z_OK, "zlib: {}", result);
-  out.resize(size);
-  return out;
 }
 
 }  // namespace vitrine

@@ -38,9 +38,6 @@ class PageBlocks {
   std::string buffer_;
 };
 
-// zlib stream (RFC 1950); browsers decode it with DecompressionStream("deflate").
-std::string deflated(std::string_view bytes);
-
 // Known shapes for the page: triangles, which are more accurate than surfels for sheets of glass and for mirrors, and
 // mirror planes.
 

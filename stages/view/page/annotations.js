@@ -1,7 +1,7 @@
 // Annotations: numbered texts at surface points. Drawn over the picture, faint where occluded; stored in the page address
 // (note=X,Y,Z,TEXT) while short, and in a file.
 import { button, download, element } from '../../page/elements.js';
-import { file_button, section } from './controls.js';
+import { file_button, section } from '../../page/controls.js';
 import { svg } from './marks.js';
 import { projected } from './cameras.js';
 

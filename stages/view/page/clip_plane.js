@@ -1,7 +1,7 @@
 // Clip plane: hides one side of a plane. Perpendicular to an axis it is fixed in the scene; perpendicular to the view it moves
 // with the camera. Page address: clip=AXIS,PLACE, with a minus before the axis if the side of smaller coordinates is shown.
 import { button, element } from '../../page/elements.js';
-import { section, slider } from './controls.js';
+import { section, slider } from '../../page/controls.js';
 
 const kAxes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1], view: null };
 const kEnds = 0.01;  // fraction of positions ignored at either end of the extent

@@ -4,7 +4,7 @@ import { hex_of, linear_of } from './colors.js';
 import { kMostTint } from './edit_list.js';
 import { edit_outlines } from './edit_outlines.js';
 import { Edits } from './edits.js';
-import { file_button, keep_rows, slider } from './controls.js';
+import { file_button, keep_rows, slider } from '../../page/controls.js';
 
 const row = (...children) => element('div', { className: 'row' }, ...children);
 const label = (text, ...children) => element('label', { className: 'row' }, ...children, text);

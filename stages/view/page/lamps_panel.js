@@ -2,7 +2,7 @@
 import { button, download, element } from '../../page/elements.js';
 import { kLampRanges, lamps_yaml, new_lamp, saved_map, towards_lamp, wrapped } from './lamps.js';
 import { radiance_hdr } from './radiance_hdr.js';
-import { keep_rows, slider } from './controls.js';
+import { keep_rows, slider } from '../../page/controls.js';
 
 const kTool = 'lamp', kDegreesPerPixel = 0.4;
 const rounded = (v) => Math.round(10 * v) / 10;

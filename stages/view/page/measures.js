@@ -1,6 +1,6 @@
 // Distance measurement between two clicked surface points; with the true length, the option of `vitrine export` that sets the unit.
 import { button, element } from '../../page/elements.js';
-import { section } from './controls.js';
+import { section } from '../../page/controls.js';
 import { svg } from './marks.js';
 
 export class Measures {

@@ -1,7 +1,7 @@
 // Objects of the scene (core/scene/objects/object_set.h): visibility, and the panel section that lists them. Page address: hide=NAME
 // for each hidden object.
 import { button, element } from '../../page/elements.js';
-import { section } from './controls.js';
+import { section } from '../../page/controls.js';
 
 export class Objects {
   // list: [{id, name, role, trust}]

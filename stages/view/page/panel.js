@@ -3,7 +3,7 @@ import { button, download, element } from '../../page/elements.js';
 import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
 import { confidence_legend } from './confidence.js';
-import { file_button, slider } from './controls.js';
+import { file_button, slider } from '../../page/controls.js';
 import { edits_section } from './edits_panel.js';
 import { lamps_section } from './lamps_panel.js';
 import { measures_section } from './measures.js';

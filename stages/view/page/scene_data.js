@@ -1,12 +1,8 @@
 // Reads the data in the page: scene (JSON), photos (data: URIs), blocks (arrays; stages/view/page_blocks.h).
+import { inflated } from '../../page/inflated.js';
+
 const kFormat = 2;  // version of the blocks, as in view.cpp
 const kinds = { f32: Float32Array, f16: Uint16Array, u8: Uint8Array, u16: Uint16Array, u32: Uint32Array };
-
-async function inflated(base64) {
-  const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
 
 // Bytes are stored plane by plane.
 function typed(buffer, { type, width, offset, count }) {

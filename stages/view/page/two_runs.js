@@ -3,7 +3,7 @@ import { WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, element } from '../../page/elements.js';
 import { alignment, carried, carried_camera, carried_plane, yaw } from './alignment.js';
-import { file_button, section } from './controls.js';
+import { file_button, section } from '../../page/controls.js';
 import { listen_to_keys } from './keys.js';
 import { kModes, Picture } from './picture.js';
 import { read_page } from './scene_data.js';

@@ -1,5 +1,5 @@
 // Panel controls that several sections share.
-import { element } from '../../page/elements.js';
+import { element } from './elements.js';
 
 export function slider(text, id, least, most, step, unit, set) {
   const shown = element('output', { htmlFor: id });
