@@ -15,7 +15,7 @@ VITRINE_PACKAGES=(
   python3-dev python3-numpy pybind11-dev
   colmap ffmpeg
 )
-# npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.
+# npm, from Debian or elsewhere, bundles the pages of `vitrine view`, `vitrine mark` and `vitrine ct`.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
 # Decoders of HEIC and AVIF, and the encoder of the tests: packages of their own since Debian 13.
 VITRINE_WANTED_PACKAGES=(libheif-plugin-libde265 libheif-plugin-dav1d libheif-plugin-x265)

@@ -7,7 +7,9 @@
 #include "core/foundation/base/json.h"
 #include "core/render/volume/density_grid.h"
 #include "core/scene/mesh/mesh_io.h"
+#include "stages/page_text.h"
 #include "stages/tomography/filtered_backprojection.h"
+#include "stages/tomography/page_volume.h"
 #include "stages/tomography/scan_file.h"
 #include "stages/tomography/volume_fit.h"
 
@@ -126,6 +128,7 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
   make_folders(out);
   write_nrrd(out / "volume.nrrd", volume, g.unit);
   write_slices(out, volume, g.unit);
+  write_volume_page(out / "page.html", volume, {.unit = g.unit, .iso = iso, .seen = seen_cylinder(g)}, context);
   if (surface.faces.empty())
     context.warning("NO_SURFACE", fmt::format("no density reaches {:.4g} / {}: surface.ply is missing", iso, g.unit));
   else
@@ -158,7 +161,9 @@ Stage tomography_stage() {
                              .doc = "Geometry, angles and pictures of the scan: a YAML file.",
                              .also = scan_pictures}},
                  .doing = "reconstructing the volume"};
-  return make_stage<TomographyConfig>(std::move(info), run_tomography);
+  return make_stage<TomographyConfig>(std::move(info), run_tomography, [] {
+    return std::map<std::string, std::string>{{"page", empty_page_digest("tomography")}};
+  });
 }
 
 }  // namespace vitrine

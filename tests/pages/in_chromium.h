@@ -22,7 +22,7 @@ inline std::string lacking() {
   if (!find_program("node")) return "node is missing (Debian: apt-get install nodejs npm)";
   if (!fs::exists(fs::path(PAGES_DIR) / "node_modules/puppeteer-core"))
     return fmt::format("puppeteer-core is not in {}: npm could not install it; build again", PAGES_DIR);
-  for (const char* stage : {"view", "mark"})
+  for (const char* stage : {"view", "mark", "tomography"})
     if (!fs::exists(empty_page_path(stage)))
       return fmt::format("{} is missing: npm could not install its packages; build again", empty_page_path(stage).string());
   const Said said = run_script({"chromium.mjs"});
