@@ -6,7 +6,7 @@
 # ARCHIVE.tar  an OCI archive: `podman load -i`, `docker load -i`, or for clusters `apptainer build vitrine.sif oci-archive:ARCHIVE.tar`
 # ROOT         folder of the file system of the image, deleted first and kept (default: a temporary one)
 #
-# Needs root, debootstrap, buildah and mounts. Exit codes: 2 usage, 7 a missing program, 1 anything else.
+# Needs root, debootstrap, buildah (with netavark since Debian 13) and mounts. Exit codes: 2 usage, 7 a missing program, 1 anything else.
 set -euo pipefail
 
 fail() { echo "error: $2" >&2; exit "$1"; }

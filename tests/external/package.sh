@@ -21,7 +21,7 @@ if [ -z "${VITRINE_OWN_MOUNTS:-}" ] || [ -z "${VITRINE_PACKAGE_MOUNTS:-}" ]; the
   VITRINE_OWN_MOUNTS=1 VITRINE_PACKAGE_MOUNTS=1 exec unshare --mount --propagation private bash "${BASH_SOURCE[0]}" "$@"
 fi
 source "$checkout/pipeline/setup.sh"
-install_packages "${VITRINE_PACKAGES[@]}" debootstrap buildah lintian help2man dpkg-dev fakeroot
+install_packages "${VITRINE_PACKAGES[@]}" debootstrap buildah netavark lintian help2man dpkg-dev fakeroot
 
 programs=(vitrine vitrine-report vitrine-farm $(sed -n 's/^set(VITRINE_\(STAGES\|TOOLS\) \([a-z ]*\))$/\2/p' "$checkout/stages/CMakeLists.txt" | tr ' ' '\n' | sed 's/^/vitrine-/'))
 build "$checkout/build" "${programs[@]}" vitrine_page vitrine_python
