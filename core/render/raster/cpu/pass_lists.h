@@ -6,7 +6,6 @@ namespace vitrine::VITRINE_SIMD {
 
 using namespace vitrine::cpu;
 
-inline constexpr float kDepthSlack = 1e-5f;  // rounding error of z over the block
 inline constexpr uint32_t kPrefetchAhead = 6;
 
 struct BlockGrid {  // first pixel centre of each block
@@ -19,38 +18,6 @@ inline BlockGrid block_grid(int x0, int y0) {
   const F16 column = lane - row * F16(float(kBlockSide));
   const F16 side = F16(float(kBlockSide));
   return {F16(float(x0) + 0.5f) + side * column, F16(float(y0) + 0.5f) + side * row};
-}
-
-struct BlockTest {
-  M16 hit;
-  F16 z_min;
-};
-
-inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
-  const F16 zero(0.f), side(float(kBlockSide - 1));
-  // The minimum of a convex quadratic over a rectangle lies on the two edges that face its centre (or at the centre).
-  const F16 x_lo = grid.left - F16(b.ex), x_hi = x_lo + side, y_lo = grid.top - F16(b.ey), y_hi = y_lo + side;
-  const F16 x_near = clamp(zero, x_lo, x_hi), y_near = clamp(zero, y_lo, y_hi);
-  const F16 y_at = clamp(x_near * F16(b.shear_yx), y_lo, y_hi), x_at = clamp(y_near * F16(b.shear_xy), x_lo, x_hi);
-  const F16 across_1 = x_near - F16(b.shear_xy) * y_at, across_2 = x_at - F16(b.shear_xy) * y_near;
-  const F16 q1 = across_1 * across_1 * F16(b.inv_xx) + y_at * y_at * F16(b.inv_yy);
-  const F16 q2 = across_2 * across_2 * F16(b.inv_xx) + y_near * y_near * F16(b.inv_yy);
-  const M16 ellipse = min(q1, q2) <= F16(1.f);
-
-  const F16 dx_lo = grid.left - F16(b.cx), dy_lo = grid.top - F16(b.cy);
-  const F16 dx = clamp(zero, dx_lo, dx_lo + side), dy = clamp(zero, dy_lo, dy_lo + side);
-  const M16 disc = dx * dx + dy * dy <= F16(b.disc_r2);
-
-  // 1/z is affine on the screen: its extremes over a block are at corners.
-  const F16 half(0.5f * float(kBlockSide - 1));
-  const F16 den = F16(1.f) + F16(b.h0) * (dx_lo + half) + F16(b.h1) * (dy_lo + half);
-  const F16 reach = half * (absolute(F16(b.h0)) + absolute(F16(b.h1)));
-  const F16 z0(b.z0), z_low(b.z_low), z_high(b.z_high), den_far = den + reach;
-  BlockTest t;
-  t.hit = ellipse | disc;
-  t.z_min = select(den_far > zero, max(z0 / den_far, z_low), z_high);
-  t.z_min = select(disc, min(t.z_min, z0), t.z_min) * F16(1.f - kDepthSlack);
-  return t;
 }
 
 // Fills the unsorted lists; also copies the tile's surfels to contiguous memory.
@@ -71,7 +38,7 @@ inline void build_lists(const TileTask& task) {
     }
     const uint32_t splat = task.instances[i];
     __builtin_memcpy(task.local + i, task.splats + splat, sizeof(RasterSplat));
-    const BlockTest t = test_blocks(task.bounds[splat], grid);
+    const RectangleTest<F16> t = test_rectangle(task.bounds[splat], grid.left, grid.top, float(kBlockSide - 1));
     store(z_min, t.z_min);
     for (uint32_t hits = bits(t.hit) & task.wanted_blocks; hits != 0; hits &= hits - 1) {
       const int b = __builtin_ctz(hits);

@@ -46,94 +46,6 @@ inline Camera<F16> lane_camera(const PassView& v) {
           {F16(v.eye[0]), F16(v.eye[1]), F16(v.eye[2])}};
 }
 
-// Sigma of the ellipse rho3d <= cut: (cut/k) (P + (cut/k) (P h)(P h)^T), P = (M^T M)^-1, k = 1 - cut |W|^2 / z0^2, with P and P
-// h written in terms of the columns A, B and W = (a_u.z, a_v.z), which avoids cancellation. k > 0: all of it is in front of the
-// eye.
-struct LaneBounds {
-  F16 ex, ey, inv_yy, inv_xx, shear_xy, shear_yx, disc_r2, z_low, z_high, half_x, half_y, cut;
-  M16 is_ellipse;
-};
-
-inline constexpr float kCutSlack = 1.0005f;  // the cut is compared with rounded values
-inline constexpr float kThinnest = 1e-4f;    // px^2 added to Sigma: keeps the test of needle-thin ellipses safe
-
-inline LaneBounds lane_bounds(const Projection<F16>& p, F16 opacity, F16 near_z, bool low_pass) {
-  LaneBounds b;
-  const F16 one(1.f), z0 = p.map.z0, wu = p.a_u.z, wv = p.a_v.z, inv_z2 = one / (z0 * z0);
-  b.cut = max(F16(2.f) * log_of(max(opacity, F16(1e-30f)) * F16(255.f)), F16(0.f)) * F16(kCutSlack) + F16(1e-3f);
-  const F16 w2 = wu * wu + wv * wv, k = one - b.cut * w2 * inv_z2;
-  const F16 depth_reach = sqrt(b.cut * w2);
-  b.z_low = max(z0 - depth_reach, near_z);
-  b.z_high = z0 + depth_reach;
-  b.is_ellipse = (k > F16(1e-3f)) & (z0 - depth_reach > near_z);
-  const F16 beta = b.cut / k;
-  const F16 pxx = (p.Au * p.Au + p.Av * p.Av) * inv_z2, pxy = (p.Au * p.Bu + p.Av * p.Bv) * inv_z2,
-            pyy = (p.Bu * p.Bu + p.Bv * p.Bv) * inv_z2;
-  const F16 hx = -(p.Au * wu + p.Av * wv) * inv_z2, hy = -(p.Bu * wu + p.Bv * wv) * inv_z2;
-  b.ex = p.map.cx + beta * hx;
-  b.ey = p.map.cy + beta * hy;
-  const F16 thin(kThinnest);
-  const F16 sxx = beta * (pxx + beta * hx * hx), sxy = beta * (pxy + beta * hx * hy), syy = beta * (pyy + beta * hy * hy);
-  const F16 root = p.det * inv_z2;
-  const F16 det = beta * beta * root * root / k + thin * (sxx + syy) + thin * thin;
-  const F16 txx = sxx + thin, tyy = syy + thin;
-  b.inv_yy = one / tyy;
-  b.inv_xx = tyy / det;
-  b.shear_xy = sxy / tyy;
-  b.shear_yx = sxy / txx;
-  b.half_x = sqrt(txx);
-  b.half_y = sqrt(tyy);
-  b.disc_r2 = low_pass ? b.cut * F16(0.5f) : F16(-1.f);
-  return b;
-}
-
-struct Box {
-  float x_lo, x_hi, y_lo, y_hi;
-  void add(float x, float y) {
-    x_lo = x < x_lo ? x : x_lo;
-    x_hi = x > x_hi ? x : x_hi;
-    y_lo = y < y_lo ? y : y_lo;
-    y_hi = y > y_hi ? y : y_hi;
-  }
-};
-
-struct ScreenColumns {
-  float Au, Av, Bu, Bv, wu, wv, cx, cy, z0;
-};
-
-// Box of a surfel that crosses the near plane: projection of an octagon around its disc, clipped at the plane.
-inline Box clipped_box(const ScreenColumns& s, float radius, float near_z) {
-  constexpr int kCorners = 8;
-  constexpr float kOctagon = 1.0823922f;  // circumscribed: 1 / cos(pi/8)
-  constexpr float kCos[kCorners] = {1.f, 0.70710678f, 0.f, -0.70710678f, -1.f, -0.70710678f, 0.f, 0.70710678f};
-  Box box{1e30f, -1e30f, 1e30f, -1e30f};
-  float u[kCorners], v[kCorners], z[kCorners];
-  for (int i = 0; i < kCorners; ++i) {
-    u[i] = radius * kOctagon * kCos[i];
-    v[i] = radius * kOctagon * kCos[(i + 6) % kCorners];
-    z[i] = s.z0 + s.wu * u[i] + s.wv * v[i];
-  }
-  const auto add = [&](float pu, float pv, float pz) {
-    box.add(s.cx + (s.Au * pu + s.Av * pv) / pz, s.cy + (s.Bu * pu + s.Bv * pv) / pz);
-  };
-  for (int i = 0; i < kCorners; ++i) {
-    const int j = (i + 1) % kCorners;
-    if (z[i] >= near_z) add(u[i], v[i], z[i]);
-    if ((z[i] >= near_z) != (z[j] >= near_z)) {
-      const float t = (near_z - z[i]) / (z[j] - z[i]);
-      add(u[i] + t * (u[j] - u[i]), v[i] + t * (v[j] - v[i]), near_z);
-    }
-  }
-  return box;
-}
-
-// First and last pixel whose centre lies in [lo, hi]; empty (first > last) outside the image.
-inline void pixel_range(float lo, float hi, int size, int16_t& first, int16_t& last) {
-  const float a = lo - 0.5f, b = hi - 0.5f;
-  first = static_cast<int16_t>(a <= 0.f ? 0.f : a >= float(size) ? float(size) : __builtin_ceilf(a));
-  last = static_cast<int16_t>(b < 0.f ? -1.f : b >= float(size - 1) ? float(size - 1) : __builtin_floorf(b));
-}
-
 template <int N>
 struct LaneTable {  // N vectors, accessed lane by lane
   alignas(64) float rows[N][kLanes];
@@ -151,7 +63,7 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
     const LaneValues s = load_values(layer, view, rows);
     const Projection<F16> p = project(s.geometry, camera);
     const F16 opacity = sigmoid_of(s.opacity), near_z(view.near_z);
-    const LaneBounds b = lane_bounds(p, opacity, near_z, low_pass);
+    const EllipseBounds<F16, M16> b = ellipse_bounds(p, opacity, near_z, low_pass);
     const uint32_t left = count - begin;
     uint32_t visible = bits(is_visible(p, opacity, near_z)) & (left >= kLanes ? 0xffffu : (1u << left) - 1u);
     if (visible == 0) continue;
@@ -189,7 +101,7 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
       to.disc_r2 = limit(6);
       to.z_low = limit(7);
       to.z_high = limit(8);
-      Box box;
+      Box<float> box;
       if (ellipses >> lane & 1u) {
         to.inv_yy = limit(2);
         to.inv_xx = limit(3);
@@ -198,8 +110,8 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
         box = {to.ex - limit(9), to.ex + limit(9), to.ey - limit(10), to.ey + limit(10)};
       } else {
         to.ex = to.ey = to.inv_yy = to.inv_xx = to.shear_xy = to.shear_yx = 0.f;  // every block of the box is hit
-        const ScreenColumns columns{limit(12), limit(13), limit(14), limit(15), limit(16),
-                                    limit(17), value(0),  value(1),  value(2)};
+        const ScreenColumns<float> columns{limit(12), limit(13), limit(14), limit(15), limit(16),
+                                           limit(17), value(0),  value(1),  value(2)};
         box = clipped_box(columns, __builtin_sqrtf(limit(11)), view.near_z);
       }
       if (low_pass) {

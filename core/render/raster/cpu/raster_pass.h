@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/render/raster/kernels/screen_bounds.h"
 #include "core/render/raster/kernels/splat_weight.h"
 
 namespace vitrine::cpu {
@@ -28,17 +29,6 @@ struct alignas(64) RasterSplat {
   uint32_t unused[7];
 };
 static_assert(sizeof(RasterSplat) == 128);
-
-// Screen bounds of a surfel: the ellipse rho3d <= cut as y^2 inv_yy + (x - shear_xy y)^2 inv_xx <= 1 around (ex, ey), and the
-// disc of the low-pass around the projected mean. Boxes are pixels, inclusive.
-struct alignas(64) SplatBounds {
-  float ex, ey, inv_yy, inv_xx, shear_xy, shear_yx;
-  float disc_r2;        // negative: no low-pass
-  float z_low, z_high;  // of the part of the disc u^2 + v^2 <= cut in front of the eye
-  float cx, cy, z0, h0, h1;
-  int16_t x_first, x_last, y_first, y_last;
-};
-static_assert(sizeof(SplatBounds) == 64);
 
 struct LayerPointers {  // raw values or gradients; material pointers are null where the layer has none
   float *mean, *rotation, *log_scale, *opacity, *sh_dc, *sh_rest;
