@@ -4,6 +4,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
+#include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/renderer.h"
 
 namespace vitrine {
@@ -47,7 +48,15 @@ std::unique_ptr<Renderer> make_cpu_renderer(Simd simd);
 std::unique_ptr<Renderer> make_reference_renderer();
 
 std::unique_ptr<Renderer> make_renderer(Backend backend, Simd simd) {
-  return backend == Backend::Reference ? make_reference_renderer() : make_cpu_renderer(simd);
+  switch (backend) {
+    case Backend::Reference:
+      return make_reference_renderer();
+    case Backend::Blocks:
+      return make_blocks_renderer();
+    case Backend::Cpu:
+      break;
+  }
+  return make_cpu_renderer(simd);
 }
 
 }  // namespace vitrine

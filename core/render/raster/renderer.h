@@ -1,6 +1,6 @@
-// Rasteriser interface for 2D Gaussian surfels, forward and backward, with one virtual call per pass. Two back ends:
-// "reference" (double, O(pixels x surfels), the executable specification) and "cpu" (tiles, SIMD, threads). Fragments are
-// composited in exact depth order per pixel, ties by surfel index. README.md in this folder derives the mathematics.
+// Rasteriser interface for 2D Gaussian surfels, forward and backward, with one virtual call per pass. Back ends: "reference"
+// (double, O(pixels x surfels), the executable specification), "cpu" (tiles, SIMD, threads) and "blocks" (for a GPU). Fragments
+// are composited in exact depth order per pixel, ties by surfel index. README.md in this folder derives the mathematics.
 #pragma once
 
 #include <cstdint>
@@ -45,11 +45,13 @@ class Renderer {
   virtual void backward(const BackwardInput& input, SplatLayer& grad, SurfelStatistics* statistics) = 0;
   virtual RasterCounts counts() const = 0;
   virtual std::string_view name() const = 0;
-  // Part of cache keys: results with different tags may differ in the last bits ("reference", "cpu-avx2", "cpu-avx512").
+  // Part of cache keys: results with different tags may differ in the last bits ("reference", "cpu-avx2", "cpu-avx512",
+  // "cuda-1").
   virtual std::string_view numerics_tag() const = 0;
 };
 
-enum class Backend { Reference, Cpu };
+// Blocks: the kernels for a GPU as loops on the CPU (blocks/block_kernel.h); forward only, for tests.
+enum class Backend { Reference, Cpu, Blocks };
 // Instruction set of Backend::Cpu. Best: the widest that the machine supports, unless the environment variable VITRINE_SIMD is
 // "avx2" or "avx512".
 enum class Simd { Best, Avx2, Avx512 };

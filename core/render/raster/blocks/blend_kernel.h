@@ -1,0 +1,200 @@
+// Blending, a block for each tile and a thread for each pixel, in exact depth order per pixel.
+//
+// The block goes through the list of its tile in batches. The list is sorted by a lower bound of each surfel's depth in the tile,
+// so a fragment is final once the bound of the next surfel lies behind it. Until then it waits in a list of the kWaiting nearest,
+// sorted by (z, surfel). If the list is full, the farthest is dropped, and with it everything behind it: the pixel takes part in
+// another sweep over the tile's list, for what it dropped. No pixel needs more memory than its registers, however many surfels
+// lie in one plane.
+#pragma once
+
+#include "core/render/raster/blocks/tile_kernels.h"
+#include "core/render/raster/kernels/blend.h"
+
+namespace vitrine::blocks {
+
+struct PixelWork {
+  uint32_t fragments, evaluated;
+};
+
+// Planes are [h, w]; those that are not wanted are null.
+struct PixelPlanes {
+  float* features[kMaxFeatures];
+  float *zdepth, *alpha, *median_z, *distortion;
+  PixelWork* work;
+};
+
+struct Fragment {
+  F32 z, alpha;
+  uint32_t surfel;
+  VITRINE_HD bool before(const Fragment& other) const { return z < other.z || (z == other.z && surfel < other.surfel); }
+};
+
+// kFeatures: 3, 6 or 12, the number of blended channels.
+template <int kFeatures, bool kDistortion>
+struct BlendKernel {
+  static constexpr uint32_t kThreads = BlockView::kTileSide * BlockView::kTileSide;
+  static constexpr int kWaiting = 8;
+  static constexpr float kNowhere = 3e38f;  // depth of no fragment
+
+  struct Shared {
+    float constants[kThreads][12];
+    float z_low[kThreads];
+    uint32_t surfel[kThreads];
+    uint32_t open[2], again[2];  // some pixel needs the next batch, another sweep; for even and odd batches
+  };
+  enum class State : uint32_t { Sweeping, Swept, Done };
+  struct Thread {
+    F32 features[kFeatures], zdepth, alpha, median_z, transmittance, pivot;
+    DistortionSums<F32> sums;
+    Fragment waiting[kWaiting];
+    Fragment first, dropped;  // of this sweep: from `first` on; nothing from `dropped` on
+    F32 px, py;
+    PixelWork work;
+    uint32_t position;
+    State state;
+  };
+
+  BlockView view;
+  const uint64_t* keys;     // of the instances, sorted
+  const uint32_t* surfels;  // of the instances
+  const uint32_t* begin;    // of each tile, into the instances
+  const SurfelRecord* records;
+  const uint8_t* wanted;  // [h, w]; null: all pixels
+  PixelPlanes out;
+
+  // Phases alternate: 2 n loads batch n, 2 n + 1 blends it.
+  VITRINE_HD bool has_phase(uint32_t phase, const Shared& shared) const {
+    if (phase == 0 || phase % 2 == 1) return true;
+    const uint32_t before = (phase / 2 - 1) & 1;
+    return shared.open[before] != 0 || shared.again[before] != 0;
+  }
+
+  VITRINE_HD void run(uint32_t phase, Place at, Thread& t, Shared& shared) const {
+    const uint32_t batch = phase / 2, list_begin = begin[at.block], list_size = begin[at.block + 1] - list_begin;
+    if (phase % 2 == 1) {
+      blend_batch(at, t, shared, list_size, batch & 1);
+      return;
+    }
+    if (phase == 0)
+      start(at, t, list_begin, list_size);
+    else if (shared.open[(batch - 1) & 1] != 0)
+      t.position += kThreads;
+    else
+      start_sweep(t, t.dropped);
+    if (at.thread == 0) shared.open[batch & 1] = shared.again[batch & 1] = 0;
+    const uint32_t i = t.position + at.thread;
+    if (i >= list_size) return;
+    const uint32_t surfel = surfels[list_begin + i];
+    shared.surfel[at.thread] = surfel;
+    shared.z_low[at.thread] = InstanceKey::depth(keys[list_begin + i]);
+    memcpy(shared.constants[at.thread], &records[surfel].constants, sizeof shared.constants[0]);
+  }
+
+ private:
+  VITRINE_HD void start(Place at, Thread& t, uint32_t list_begin, uint32_t list_size) const {
+    constexpr uint32_t kSide = BlockView::kTileSide;
+    const uint32_t across = static_cast<uint32_t>(view.tiles_x);
+    const uint32_t x = at.block % across * kSide + at.thread % kSide, y = at.block / across * kSide + at.thread / kSide;
+    for (F32& f : t.features) f = 0.f;
+    t.zdepth = t.alpha = t.median_z = 0.f;
+    t.transmittance = 1.f;
+    t.pivot = list_size > 0 ? F32(1.f) / F32(InstanceKey::depth(keys[list_begin])) : F32(0.f);
+    t.sums = {0.f, 0.f, 0.f};
+    t.px = static_cast<float>(x) + 0.5f;
+    t.py = static_cast<float>(y) + 0.5f;
+    t.work = {0, 0};
+    t.state = State::Swept;
+    start_sweep(t, {-kNowhere, 0.f, 0});
+    const bool inside = x < static_cast<uint32_t>(view.width) && y < static_cast<uint32_t>(view.height);
+    if (!inside)
+      t.state = State::Done;
+    else if (wanted != nullptr && wanted[pixel_of(t)] == 0)
+      finish(t);
+  }
+  VITRINE_HD void start_sweep(Thread& t, const Fragment& first) const {
+    t.position = 0;
+    if (t.state != State::Swept) return;
+    t.first = first;
+    t.dropped = {kNowhere, 0.f, 0};
+    for (Fragment& f : t.waiting) f = {kNowhere, 0.f, 0};
+    t.state = State::Sweeping;
+  }
+
+  VITRINE_HD void blend_batch(Place at, Thread& t, Shared& shared, uint32_t list_size, uint32_t parity) const {
+    (void)at;
+    if (t.state == State::Sweeping) {
+      const uint32_t left = list_size - t.position, count = left < kThreads ? left : kThreads;
+      for (uint32_t j = 0; j < count && t.state == State::Sweeping; ++j) blend_surfel(t, shared, j);
+      if (t.state == State::Sweeping && left <= kThreads) end_sweep(t);
+    }
+    if (t.state == State::Sweeping) shared.open[parity] = 1;
+    if (t.state == State::Swept) shared.again[parity] = 1;
+  }
+  VITRINE_HD void blend_surfel(Thread& t, const Shared& shared, uint32_t j) const {
+    const F32 z_low = shared.z_low[j];
+    while (t.waiting[0].z < z_low) blend_nearest(t);
+    if (t.transmittance < F32(kMinTransmittance) || t.dropped.z < z_low) {
+      end_sweep(t);
+      return;
+    }
+    SplatConstants<float> constants;
+    memcpy(&constants, shared.constants[j], sizeof constants);
+    const SplatSample<F32> sample = splat_sample(constants, t.px, t.py);
+    ++t.work.evaluated;
+    if (!sample.counts) return;
+    Fragment f{sample.z, sample.alpha, shared.surfel[j]};
+    if (f.before(t.first) || !f.before(t.dropped)) return;
+    for (Fragment& w : t.waiting)  // insertion: what is behind f moves one back
+      if (f.before(w)) {
+        const Fragment behind = w;
+        w = f;
+        f = behind;
+      }
+    if (f.z < F32(kNowhere)) t.dropped = f;
+  }
+  VITRINE_HD void blend_nearest(Thread& t) const {
+    const Fragment f = t.waiting[0];
+    for (int k = 0; k + 1 < kWaiting; ++k) t.waiting[k] = t.waiting[k + 1];
+    t.waiting[kWaiting - 1] = {kNowhere, 0.f, 0};
+    const F32 w = blend_weight(f.alpha, t.transmittance);
+    const float* features = records[f.surfel].features;
+    for (int c = 0; c < kFeatures; ++c) t.features[c] += w * F32(features[c]);
+    t.zdepth += w * f.z;
+    t.alpha += w;
+    if (t.transmittance > F32(kMedianTransmittance)) t.median_z = f.z;
+    if (kDistortion) t.sums.add(w, reciprocal(f.z) - t.pivot);
+    t.transmittance *= F32(1.f) - f.alpha;
+    ++t.work.fragments;
+  }
+  // All fragments up to the first that was dropped are known.
+  VITRINE_HD void end_sweep(Thread& t) const {
+    while (t.waiting[0].z < F32(kNowhere)) blend_nearest(t);
+    if (t.dropped.z < F32(kNowhere) && t.transmittance >= F32(kMinTransmittance))
+      t.state = State::Swept;
+    else
+      finish(t);
+  }
+  VITRINE_HD size_t pixel_of(const Thread& t) const {
+    return static_cast<size_t>(t.py.v) * static_cast<size_t>(view.width) + static_cast<size_t>(t.px.v);
+  }
+  VITRINE_HD void finish(Thread& t) const {
+    t.state = State::Done;
+    const size_t at = pixel_of(t);
+    const F32 behind = F32(1.f) - t.alpha;
+    for (int c = 0; c < kFeatures; ++c) {
+      F32 value = t.features[c];
+      if (c < 3) value += behind * F32(view.background[c]);
+      out.features[c][at] = value.v;
+    }
+    out.zdepth[at] = t.zdepth.v;
+    out.alpha[at] = t.alpha.v;
+    out.median_z[at] = t.median_z.v;
+    out.work[at] = t.work;
+    if (kDistortion) {
+      const F32 k = distortion_scale(F32(view.near_z), F32(view.far_z));
+      out.distortion[at] = (k * k * max(F32(0.f), t.sums.value())).v;
+    }
+  }
+};
+
+}  // namespace vitrine::blocks

@@ -1,0 +1,102 @@
+// Kernels as lists of phases between barriers, and their execution on the CPU. A kernel is a struct with
+//
+//   static constexpr uint32_t kThreads;   threads of a block
+//   struct Shared, struct Thread;         memory of a block; values that a thread keeps from phase to phase
+//   bool has_phase(uint32_t phase, const Shared&) const;              the same for all threads of a block
+//   void run(uint32_t phase, Place, Thread&, Shared&) const;          one phase of one thread
+//
+// Its members point to arrays. Within a phase no thread may read what another thread of the launch writes: then the result
+// depends on no order, and loops on the CPU (BlockLoops) and threads of a GPU (CUDA: blocks/cuda_launch.cuh) give the same bytes.
+// What has_phase(phase) reads must not be written in that phase.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/vec.h"
+
+namespace vitrine::blocks {
+
+struct Place {
+  uint32_t block, thread;
+};
+
+struct NoShared {};
+struct NoThread {};
+
+// Blocks needed for one thread per item.
+constexpr uint32_t blocks_for(size_t items, uint32_t items_of_block) {
+  return static_cast<uint32_t>((items + items_of_block - 1) / items_of_block);
+}
+
+// Runs kernels on the CPU.
+class BlockLoops {
+ public:
+  // seed 0: blocks in parallel, threads in order. Otherwise one block after another, in an order that the seed shuffles, as it
+  // shuffles the threads of each phase; memory of a block then begins with values that the seed chooses.
+  explicit BlockLoops(uint64_t shuffle_seed = 0) : seed_(shuffle_seed) {}
+
+  template <class T>
+  using Array = std::vector<T>;
+
+  template <class Kernel>
+  void launch(const Kernel& kernel, uint32_t blocks) {
+    ++launches_;
+    if (seed_ == 0) {
+      parallel_for(blocks, 1, [&](size_t block) { run_block(kernel, static_cast<uint32_t>(block)); });
+      return;
+    }
+    for (const uint32_t block : shuffled(blocks, 0)) run_block(kernel, block);
+  }
+
+  // One value that a kernel wrote.
+  template <class T>
+  T read(const T* value) const {
+    return *value;
+  }
+  template <class T>
+  void upload(T* to, const T* from, size_t size) const {
+    std::copy(from, from + size, to);
+  }
+  template <class T>
+  void download(T* to, const T* from, size_t size) const {
+    std::copy(from, from + size, to);
+  }
+
+ private:
+  template <class Kernel>
+  void run_block(const Kernel& kernel, uint32_t block) const {
+    const auto shared = std::make_unique<typename Kernel::Shared>();
+    const auto threads = std::make_unique<std::array<typename Kernel::Thread, Kernel::kThreads>>();
+    if (seed_ != 0) {
+      std::memset(static_cast<void*>(shared.get()), static_cast<int>(mix64(seed_, block) & 0xff),
+                  sizeof(typename Kernel::Shared));
+      std::memset(static_cast<void*>(threads.get()), static_cast<int>(mix64(seed_, block + 1) & 0xff), sizeof(*threads));
+    }
+    std::vector<uint32_t> order(Kernel::kThreads);
+    std::iota(order.begin(), order.end(), 0u);
+    for (uint32_t phase = 0; kernel.has_phase(phase, *shared); ++phase) {
+      if (seed_ != 0) order = shuffled(Kernel::kThreads, mix64(block, phase + 1));
+      for (const uint32_t thread : order) kernel.run(phase, {block, thread}, (*threads)[thread], *shared);
+    }
+  }
+
+  std::vector<uint32_t> shuffled(uint32_t count, uint64_t stream) const {
+    std::vector<uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    Rng rng(mix64(seed_, launches_), stream);
+    for (uint32_t i = count; i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
+    return order;
+  }
+
+  uint64_t seed_, launches_ = 0;
+};
+
+}  // namespace vitrine::blocks
