@@ -1,0 +1,97 @@
+// The forward pass on a CUDA device against the same kernels run as loops on the CPU: bytes must be equal, also from run to run.
+// Prints the time of each kernel. Exit codes: 0 equal, 1 different, 7 no device.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/foundation/base/error.h"
+#include "core/render/raster/blocks/block_pass.h"
+#include "core/render/raster/renderer.h"
+#include "tests/support/tiny_scenes.h"
+
+namespace vitrine {
+namespace {
+
+constexpr int kTimedRuns = 20;
+
+std::vector<TinyScene> scenes(bool small) {
+  std::vector<TinyScene> all = tiny_scenes();
+  if (small) return all;
+  all.push_back(cloud_scene("cloud_640x480", 20000, 640, 480, 0.05, 0.9, 21));
+  all.push_back(cloud_scene("dense_320x240", 20000, 320, 240, 0.3, 0.3, 22));
+  all.push_back(cloud_scene("large_1280x800", 100000, 1280, 800, 0.02, 0.9, 23));
+  return all;
+}
+
+// Number of floats whose bytes differ.
+size_t differences(const RasterImages& a, const RasterImages& b) {
+  size_t count = 0;
+  for (size_t p = 0; p < kAovCount; ++p) {
+    if (a.planes[p].size() != b.planes[p].size()) return 1;
+    for (size_t i = 0; i < a.planes[p].size(); ++i) count += std::memcmp(&a.planes[p][i], &b.planes[p][i], sizeof(float)) != 0;
+  }
+  return count;
+}
+
+bool check(Renderer& device, TinyScene scene, FeatureSet features) {
+  scene.desc.features = features;
+  RasterImages expected, first, second;
+  make_blocks_renderer()->forward(scene.layer, scene.desc, expected);
+  device.forward(scene.layer, scene.desc, first);
+  device.forward(scene.layer, scene.desc, second);
+  const size_t from_loops = differences(expected, first), from_first = differences(first, second);
+  if (from_loops + from_first > 0)
+    std::printf("DIFFERENT  %-16s %zu channels: %zu floats from the loops on the CPU, %zu from the first run\n",
+                scene.name.c_str(), feature_count(features), from_loops, from_first);
+  return from_loops + from_first == 0;
+}
+
+void print_times(const TinyScene& scene) {
+  std::map<std::string, double> kernels;
+  const auto device = make_blocks_renderer(make_cuda_pass(&kernels));
+  RasterImages images;
+  device->forward(scene.layer, scene.desc, images);  // takes its memory
+  kernels.clear();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kTimedRuns; ++i) device->forward(scene.layer, scene.desc, images);
+  const std::chrono::duration<double, std::milli> all = std::chrono::steady_clock::now() - begin;
+  const RasterCounts counts = device->counts();
+  std::printf("%s: %zu surfels, %llu instances, %llu fragments, %llu evaluated; a call with copies %.3f ms\n", scene.name.c_str(),
+              scene.layer.size(), static_cast<unsigned long long>(counts.instances),
+              static_cast<unsigned long long>(counts.fragments), static_cast<unsigned long long>(counts.lanes),
+              all.count() / kTimedRuns);
+  double sum = 0;
+  for (const auto& [kernel, ms] : kernels) {
+    std::printf("  %8.3f ms  %s\n", ms / kTimedRuns, kernel.c_str());
+    sum += ms / kTimedRuns;
+  }
+  std::printf("  %8.3f ms  all kernels\n", sum);
+}
+
+int run(bool small) {
+  const auto device = make_blocks_renderer(make_cuda_pass());
+  bool equal = true;
+  for (const TinyScene& scene : scenes(small))
+    for (const FeatureSet features : {FeatureSet::ColorOnly, FeatureSet::Surface, FeatureSet::Material})
+      equal = check(*device, scene, features) && equal;
+  std::printf("%s\n", equal ? "equal: device, loops on the CPU, and the second run on the device" : "the bytes differ");
+  for (const TinyScene& scene : scenes(small))
+    if (scene.layer.size() > 1000) print_times(scene);
+  return equal ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace vitrine
+
+int main(int argc, char** argv) {
+  try {
+    return vitrine::run(argc > 1 && std::string(argv[1]) == "small");
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "error: %s\n", e.what());
+    return 7;
+  }
+}
