@@ -80,20 +80,27 @@ try {
   }
 
   // The picture of the volume.
-  const picture = () =>
-    page.evaluate(() => {
-      opened.view.paint(1, false);
+  const picture = (in_bands = false) =>
+    page.evaluate(async (in_bands) => {
+      if (in_bands) {
+        opened.view.paint(0.4, true);
+        opened.view.scale = 0.4;
+        await opened.view.rest();
+      } else {
+        opened.view.paint(1, false);
+      }
       const { gl } = opened.view.casting, { width, height } = gl.canvas, all = new Uint8Array(4 * width * height);
       gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, all);
       return [...all.filter((_, i) => i % 4 === 1)];
-    });
+    }, in_bands);
   const first = await picture();
-  const compare = async (name) => {
-    const now = await picture();
+  const compare = async (name, in_bands) => {
+    const now = await picture(in_bands);
     result.pictures[name] = now.reduce((sum, v, i) => sum + Math.abs(v - first[i]), 0) / now.length;
   };
   result.pictures.bright = first.filter((v) => v > 60).length / first.length;
   await compare('same');
+  await compare('bands', true);
   const hit_at = await page.evaluate((p) => {
     const { view, transfer, volume } = opened;
     transfer.surface(0.8 * volume.high);

@@ -81,6 +81,7 @@ TEST_F(VolumePage, ShowsDensitiesWhereTheyAre) {
   EXPECT_NEAR(std::sqrt(far), 2, 1.5 * cell) << "a click finds the surface of the ball";
   EXPECT_GT(p["bright"].get<double>(), 0.05);
   EXPECT_EQ(p["same"], 0);
+  EXPECT_EQ(p["bands"], 0) << "what slow browsers draw when the picture rests";
   EXPECT_EQ(p["surface"], 0) << "the first start again";
   EXPECT_EQ(p["uncut"], 0);
   for (const char* change : {"dense", "x-ray", "soft", "cut", "turned", "moved", "edited"})

@@ -5,7 +5,7 @@ import source from './casting.glsl';
 const kBlock = 8;  // voxels along an edge of a block, as in casting.glsl
 const kTable = 2048;  // entries of the transfer function
 const kVertex = '#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0, 1); }';
-export const kGround = [20, 21, 24];
+const kGround = [20, 21, 24];
 
 const float = new Float32Array(1), bits = new Uint32Array(float.buffer);
 // Half float of a number from 0 to 1, rounded to the nearest.
@@ -107,12 +107,44 @@ export class Casting {
     this.lit = transfer.lit;
   }
 
-  // camera: {eye, ahead, right, up} (orbit.js); cut: [normal, offset]; grey: densities that are black and white on the cut; coarse: longer
-  // steps, for pictures that move.
-  draw(camera, cut, grey, width, height, coarse) {
-    const { gl, volume, canvas } = this;
+  // A picture on the canvas. what: {camera: of orbit.js, cut: [normal, offset], grey: densities that are black and white on the cut, coarse:
+  // longer steps, for pictures that move}.
+  draw(what, width, height) {
+    const { gl, canvas } = this;
     if (canvas.width !== width || canvas.height !== height) canvas.width = width, canvas.height = height;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    this.draw_rows(what, width, height, 0, height);
+  }
+  // The same in bands, so that none takes long: begin(), band() for all rows, show(). The canvas keeps its picture until show().
+  begin(width, height) {
+    const { gl } = this;
+    this.frame ??= gl.createFramebuffer(), this.frame_texture ??= this.texture(3, gl.TEXTURE_2D, gl.NEAREST);
+    gl.activeTexture(gl.TEXTURE3);
+    gl.bindTexture(gl.TEXTURE_2D, this.frame_texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.frame_texture, 0);
+    this.frame_size = [width, height];
+  }
+  band(what, row, rows) {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.frame);
+    this.draw_rows(what, ...this.frame_size, row, rows);
+  }
+  show() {
+    const { gl, canvas } = this, [width, height] = this.frame_size;
+    canvas.width = width, canvas.height = height;
+    gl.disable(gl.SCISSOR_TEST);
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.frame);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+  // Returns when they are drawn.
+  draw_rows({ camera, cut, grey, coarse }, width, height, row, rows) {
+    const { gl, volume } = this;
     gl.viewport(0, 0, width, height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, row, width, rows);
     gl.useProgram(this.program);
     gl.bindVertexArray(this.vertices);
     const at = (name) => {
@@ -136,5 +168,6 @@ export class Casting {
     gl.uniform2fv(at('grey'), grey.map((v) => (v - volume.low) / (volume.high - volume.low || 1)));
     gl.uniform2f(at('size'), width, height);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.readPixels(0, row, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for it
   }
 }

@@ -7,6 +7,8 @@ import { outlines } from './outlines.js';
 
 const kSlow = 60;  // milliseconds per picture; above it moving pictures are reduced
 const kLeastScale = 0.2;
+const kCoarseGain = 1.5;  // by how much larger a picture with longer steps may be
+const kFirstRows = 8;  // of a picture in bands
 const kRest = 200;  // milliseconds without movement
 const kMostSide = 2048;  // of a picture, pixels
 const kTurn = 0.008, kKeyTurn = 0.08, kZoomStep = 1.12, kKeyMove = 0.05, kClick = 4;
@@ -20,7 +22,7 @@ export class VolumeView {
     this.lines = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
     this.lines.setAttribute('aria-hidden', 'true');
     this.node = element('div', { className: 'pane', id: 'pane_volume' }, this.canvas, this.lines, element('span', { className: 'label', textContent: 'volume' }));
-    this.orbit = new Orbit(this.volume), this.framed = true, this.scale = 0.5, this.resting = false;
+    this.orbit = new Orbit(this.volume), this.framed = true, this.scale = 0.5, this.resting = false, this.change = 0;
     try {
       this.casting = new Casting(this.canvas, this.volume);
     } catch (e) {
@@ -43,33 +45,53 @@ export class VolumeView {
   // After a change that may go on: a quick picture now, the full one when it rests.
   moved() {
     if (!this.casting) return;
-    this.resting = false;
+    this.resting = false, ++this.change;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.rest(), kRest);
     this.waiting ??= requestAnimationFrame(() => {
       this.waiting = null;
-      this.paint(this.scale < 1 ? this.scale : 1, this.scale < 1);
+      this.paint(this.scale, this.scale < 1);
     });
   }
-  rest() {
-    this.paint(1, false);
+  // Size of a picture.
+  size(scale) {
+    const { clientWidth: width, clientHeight: height } = this.canvas, density = Math.min(devicePixelRatio || 1, kMostSide / Math.max(width, height, 1));
+    return width && height && !this.lost ? [width, height].map((length) => Math.max(1, Math.round(length * density * scale))) : null;
+  }
+  what(size, coarse) {
+    const camera = this.camera(...size);
+    return { camera, cut: this.cut.plane(camera), grey: [this.state.black, this.state.white], coarse };
+  }
+  // A whole picture at once; the scale of the next moving one follows from the time it took.
+  paint(scale, coarse) {
+    const size = this.size(scale);
+    if (!size) return;
+    const begin = performance.now();
+    this.casting.draw(this.what(size, coarse), ...size);
+    const wanted = scale * Math.sqrt(kSlow / Math.max(performance.now() - begin, 1)) * (coarse ? 1 : kCoarseGain);
+    if (coarse || scale === 1) this.scale = wanted >= (coarse ? 1.2 : kCoarseGain) ? 1 : Math.max(kLeastScale, Math.min(0.8, wanted));
+    this.draw_lines();
+  }
+  // The full picture, in bands that let the browser breathe; a change ends it.
+  async rest() {
+    const size = this.size(1), { change } = this;
+    if (!size) return;
+    if (this.scale === 1) this.paint(1, false);
+    else {
+      const what = this.what(size, false);
+      this.casting.begin(...size);
+      for (let row = 0, rows = kFirstRows; row < size[1]; ) {
+        const begin = performance.now(), count = Math.min(rows, size[1] - row);
+        this.casting.band(what, row, count);
+        row += count, rows = Math.max(1, Math.round(Math.min(2, kSlow / Math.max(performance.now() - begin, 1)) * count));
+        await new Promise((done) => setTimeout(done));
+        if (change !== this.change || this.lost) return;
+      }
+      this.casting.show();
+      this.draw_lines();
+    }
     this.resting = true;
     this.first();
-  }
-  paint(scale, coarse) {
-    const { canvas } = this, density = Math.min(devicePixelRatio || 1, kMostSide / Math.max(canvas.clientWidth, canvas.clientHeight, 1));
-    const side = (length) => Math.max(1, Math.round(length * density * scale)), width = side(canvas.clientWidth), height = side(canvas.clientHeight);
-    if (!canvas.clientWidth || !canvas.clientHeight || this.lost) return;
-    const begin = performance.now(), camera = this.camera(width, height);
-    this.casting.draw(camera, this.cut.plane(camera), [this.state.black, this.state.white], width, height, coarse);
-    const { gl } = this.casting;
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the picture
-    const took = performance.now() - begin;
-    if (coarse || scale === 1) {
-      const wanted = scale * Math.sqrt(kSlow / Math.max(took, 1));
-      this.scale = wanted >= 1 ? 1 : Math.max(kLeastScale, Math.min(0.8, coarse ? wanted : wanted * 1.5));
-    }
-    this.draw_lines();
   }
   draw_lines() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
