@@ -57,7 +57,7 @@ say "the image"
 store="$(mktemp -d /var/tmp/vitrine-store.XXXXXX)"
 trap 'rm -rf --one-file-system "$store"' EXIT
 load=(buildah --root "$store/storage" --runroot "$store/run" --storage-driver vfs)
-container="$("${load[@]}" from "oci-archive:$image")"
+container="$("${load[@]}" from --ulimit "nofile=$(ulimit -Hn)" --ulimit "nproc=$(ulimit -Hu)" "oci-archive:$image")"  # its own may be above this machine's
 [[ "$("${load[@]}" run --isolation chroot "$container" -- /usr/bin/vitrine --version)" == "$("$checkout/build/bin/vitrine" --version)" ]] || fail "the image holds another version"
 [[ "$("${load[@]}" inspect --format '{{.OCIv1.Config.Entrypoint}}' "$container")" == "[/usr/bin/vitrine]" ]] || fail "the image starts something else"
 say "passed: $(basename "$deb"), $(du -h "$deb" | cut -f1)"
