@@ -6,6 +6,7 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/render/model/kernels/mirror.h"
+#include "sample_data/generate/content.h"
 
 namespace vitrine::generate {
 namespace {
@@ -167,6 +168,11 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
         sum += mis * hadamard(path.weight, light_.environment.radiance(path.direction));
         break;
       }
+      if (path.within) {
+        const VolumeLightf light = path.within->light(path.origin, path.direction, hit->distance);
+        sum += hadamard(path.weight, light.color);
+        path.weight *= light.transmittance;
+      }
       const Material& material = hit->part->material;
       const bool outer = dot(hit->geometric, path.direction) < 0;
       if (material.kind == MaterialKind::Emitter) {
@@ -192,6 +198,7 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
           continue;
         }
         path.origin = offset_origin(*hit, path.direction);
+        if (!thin) path.within = outer ? material.content.get() : nullptr;
         if (splits < kSplitPanes) {
           ++splits;
           back.weight *= r;

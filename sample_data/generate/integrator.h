@@ -41,6 +41,7 @@ class Integrator {
     int depth = 0;
     bool lights = true;   // false after a diffuse surface: lamps and sky were counted there
     float lobe_pdf = -1;  // > 0: the direction was drawn from a lobe with this density
+    const GlassContent* within = nullptr;
   };
   struct LightSample {
     Vec3f direction, radiance;  // radiance includes the shadow

@@ -8,19 +8,24 @@
 //   solid glass: a closed surface; R is mirrored at every interface, 1 - R refracted (Snell)
 #pragma once
 
+#include <memory>
+
 #include "core/foundation/math/vec.h"
 #include "sample_data/generate/texture.h"
 
 namespace vitrine::generate {
 
+class GlassContent;  // content.h
+
 enum class MaterialKind { Diffuse, Metal, Mirror, Coat, ThinGlass, SolidGlass, Emitter };
 
 struct Material {
   MaterialKind kind = MaterialKind::Diffuse;
-  Texture albedo = {};               // Diffuse, Coat (its base)
-  Vec3f reflectance{1, 1, 1};        // Metal, Mirror: at normal incidence
-  float roughness = 0;               // Metal, Coat: perceptual, alpha = roughness^2; a coat of 0 is a mirror
-  float index_of_refraction = 1.5f;  // Coat, ThinGlass, SolidGlass
+  Texture albedo = {};                               // Diffuse, Coat (its base)
+  Vec3f reflectance{1, 1, 1};                        // Metal, Mirror: at normal incidence
+  float roughness = 0;                               // Metal, Coat: perceptual, alpha = roughness^2; a coat of 0 is a mirror
+  float index_of_refraction = 1.5f;                  // Coat, ThinGlass, SolidGlass
+  std::shared_ptr<const GlassContent> content = {};  // SolidGlass: what fills it; null: clear
   bool glass() const { return kind == MaterialKind::ThinGlass || kind == MaterialKind::SolidGlass; }
   bool painted() const { return kind == MaterialKind::Diffuse || kind == MaterialKind::Coat; }  // has an albedo
   bool glossy() const { return kind != MaterialKind::Diffuse && kind != MaterialKind::Emitter; }

@@ -4,6 +4,7 @@
 
 #include "core/foundation/base/error.h"
 #include "core/scene/mesh/embree_version.h"
+#include "sample_data/generate/content.h"
 
 namespace vitrine::generate {
 namespace {
@@ -115,7 +116,7 @@ float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float
   if (shadow.tfar < 0) return 0;
   float passed = 1;
   if (!with_glass || !trees_->has_glass) return passed;
-  float from = 0;
+  float from = 0, entered = 0;
   for (int pane = 0; pane < kMostPanes; ++pane) {
     RTCRayHit r = ray_hit(origin, direction, from, distance);
     if (!intersect(trees_->glass, r)) break;
@@ -125,6 +126,9 @@ float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float
     passed *=
         1.0f - (material.kind == MaterialKind::ThinGlass ? sheet_reflectance(index, cosine)
                                                          : interface_reflectance(cosine < 0 ? index : 1.0f / index, cosine));
+    if (material.content && cosine >= 0)
+      passed *= material.content->transmittance(origin + entered * direction, direction, r.ray.tfar - entered);
+    entered = r.ray.tfar;
     from = r.ray.tfar + kOffset;
   }
   return passed;

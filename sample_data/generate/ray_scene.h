@@ -33,7 +33,7 @@ class RayScene {
   const Scene& scene() const { return scene_; }
   std::optional<Hit> first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass = true) const;
   // 0 when something opaque lies within `distance`, else the product of 1 - r over the panes passed (straight on: light that
-  // solid glass gathers or spreads is left out).
+  // solid glass gathers or spreads is left out), weakened by the content of the bodies passed.
   float transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass = true) const;
 
  private:

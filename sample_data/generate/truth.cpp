@@ -15,6 +15,7 @@
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
+#include "sample_data/generate/content.h"
 #include "sample_data/generate/fisheyes.h"
 #include "sample_data/generate/marks.h"
 #include "sample_data/generate/panoramas.h"
@@ -155,6 +156,7 @@ void write_geometry(const RayScene& rays, const fs::path& truth, bool full) {
   write_transforms_json(truth / "transforms.json", scene.views, "photos");
   write_meshes(rays, truth, full);
   write_environment(truth / "env" / "captured.exr", scene.environment);
+  write_content(truth / "content.json", scene);
   for (const View& view : scene.views) write_surface(rays, view, truth, full, scene.reduced_divisor);
   log_info("{}: poses, meshes, depth, normals and masks", scene.name);
 }

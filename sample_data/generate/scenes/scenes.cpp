@@ -6,6 +6,8 @@ namespace vitrine::generate {
 namespace {
 constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room},
                                   {"paperweight", paperweight},
+                                  {"cloudy", cloudy},
+                                  {"smoky", smoky},
                                   {"cabinet", cabinet},
                                   {"hall", hall},
                                   {"gallery", nullptr, gallery},

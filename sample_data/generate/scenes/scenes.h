@@ -14,6 +14,9 @@ Scene tiny_room();  // opaque boxes, a ball and a ring in a painted room; 12 vie
 
 Scene paperweight();  // a ball of solid glass in the same room; 36 views of 160x120
 
+Scene cloudy();  // the ball filled with a cloudy liquid
+Scene smoky();   // the ball filled with smoke
+
 Scene cabinet();  // a painted owl in a glass case, a copper kettle, books; 36 views of 640x480
 
 Scene gallery(uint64_t seed);  // glass, metal, mirrors and coated paint drawn by the seed (from 1); 24 to 48 views of 320x240
