@@ -27,9 +27,9 @@ size_t count_of(const std::array<int, 3>& size) { return size_t(size[0]) * size_
 
 // Along one axis only; origin and cell stay.
 VoxelGrid<float> averaged_along(const VoxelGrid<float>& from, size_t axis, double factor, int size) {
-  VoxelGrid<float> out = from;
+  VoxelGrid<float> out{.origin = from.origin, .cell = from.cell, .size = from.size, .values = {}};
   out.size[axis] = size;
-  out.values.assign(out.count(), 0.f);
+  out.values.resize(out.count());
   size_t stride = 1;
   for (size_t c = 0; c < axis; ++c) stride *= size_t(from.size[c]);
   out.each([&](int x, int y, int z) {
