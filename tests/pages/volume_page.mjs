@@ -3,7 +3,8 @@
 //   messages   what the console said, errors of scripts, requests for anything but the page itself, data: and blob: URIs
 //   densities  of the page at PLACES;  greys  [x, y, z slice] brightness of the pixels there, 0 to 1;  window  densities that are black, white
 //   clicked    place of the crosshair after a click on PLACES[1] in the slice across z;  wheeled, keyed  after wheel and key
-//   dragged    the window after shift and drag;  readout  of PLACES[0] and of the last one;  bar  length in pixels of what the bar claims
+//   dragged    the window after shift and drag;  readout  of PLACES[0] and of the last one
+//   measured   the distance of PLACES[0] and [1] in the slice across z
 //   hit        where a click on the picture of the volume put the crosshair, at the pixel of PLACES[1]
 //   pictures   differences of the picture of the volume to the first one, by what was changed;  points  their number after add and remove
 //   saved      points of the saved file;  opened, dropped  points after it was opened, dropped;  refused  {file: sentence}
@@ -78,6 +79,16 @@ try {
     await page.mouse.move(...(await on_slice(p)));
     result.readout.push(await page.$eval('#readout', (e) => e.value));
   }
+
+  await page.click('#measure');
+  const [ends, more] = [await on_slice(places[0]), await on_slice(places[1].map((v, c) => (c === 2 ? places[0][2] : v)))];
+  await page.mouse.move(...ends);
+  await page.mouse.down();
+  await page.mouse.move(...more, { steps: 3 });
+  await page.mouse.up();
+  result.measured = await page.$eval('#measured', (e) => e.value);
+  await page.screenshot({ path: join(out, 'measured.png') });
+  await page.click('#measure');
 
   // The picture of the volume.
   const picture = (in_bands = false) =>

@@ -70,6 +70,7 @@ TEST_F(VolumePage, ShowsDensitiesWhereTheyAre) {
   EXPECT_EQ(r["reset"], r["window"]);
   EXPECT_NE(r["readout"][0].get<std::string>().find("density 0.300 mm\u207b\u00b9"), std::string::npos) << r["readout"];
   EXPECT_NE(r["readout"][1].get<std::string>().find("not shown by the scan"), std::string::npos) << r["readout"];
+  EXPECT_NEAR(std::stod(r["measured"].get<std::string>()), std::hypot(4, 6), cell / 2) << r["measured"];
   EXPECT_LE(r["narrow"].get<int>(), 390);
   EXPECT_EQ(r["alone"], json::array({"pane_volume"}));
 

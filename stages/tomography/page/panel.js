@@ -4,6 +4,7 @@ import { file_button, section } from '../../page/controls.js';
 import { cut_section } from './cut.js';
 import { root_field } from './fields.js';
 import { place_text, short } from './numbers.js';
+import { measure_section } from './measure.js';
 import { kStarts } from './transfer.js';
 import { TransferEditor } from './transfer_editor.js';
 
@@ -54,7 +55,7 @@ function transfer_section(transfer, open) {
 export function make_panel({ state, transfer, cut, view, slices, open }) {
   const panel = document.getElementById('panel'), { volume } = state;
   const { nodes, editor } = transfer_section(transfer, open);
-  panel.append(element('h1', { textContent: 'The volume' }), ...of_volume(volume), ...grey_values(state));
+  panel.append(element('h1', { textContent: 'The volume' }), ...of_volume(volume), ...grey_values(state), ...measure_section(state));
   if (view.casting) {
     const cutting = cut_section(cut, state, () => view.camera());
     cut.on_change = () => (cutting.show(), view.moved());

@@ -1,6 +1,7 @@
 // One of three slices: the plane across an axis through the crosshair, with the other two planes as lines, a scale bar and a
 // slider. The last remaining axis goes up.
 import { element } from '../../page/elements.js';
+import { draw_measure } from './measure.js';
 import { hold_slice } from './slice_hand.js';
 import { clamped, place_text, round_length } from './numbers.js';
 
@@ -54,15 +55,14 @@ export class Slice {
     const at = volume.voxel(state.place[axis], axis), key = [at, state.black, state.white].join();
     if (key === this.painted) return;
     this.painted = key;
-    const w = size[right], h = size[up], data = new ImageData(w, h), words = new Uint32Array(data.data.buffer);
-    const grey = this.greys(), place = [0, 0, 0];
-    place[axis] = volume.centre(at, axis);
+    const w = size[right], h = size[up], data = new ImageData(w, h), words = new Uint32Array(data.data.buffer), grey = this.greys();
+    // Squared distance from the axis of the cylinder, z.
+    const square = (voxel, c) => (c === 2 ? 0 : volume.centre(voxel, c) ** 2), across = Float64Array.from({ length: w }, (_, x) => square(x, right));
+    const most = volume.radius === null ? Infinity : volume.radius ** 2 - square(at, axis);
     for (let y = 0, to = 0; y < h; ++y) {
-      place[up] = Math.min(volume.centre(h - 1 - y, up), volume.end[up]);
-      for (let x = 0, from = at * strides[axis] + (h - 1 - y) * strides[up]; x < w; ++x, ++to, from += strides[right]) {
-        place[right] = Math.min(volume.centre(x, right), volume.end[right]);
-        words[to] = volume.shows(place) ? grey[values[from]] : 0;
-      }
+      const left = most - square(h - 1 - y, up);
+      for (let x = 0, from = at * strides[axis] + (h - 1 - y) * strides[up]; x < w; ++x, ++to, from += strides[right])
+        if (across[x] <= left) words[to] = grey[values[from]];
     }
     this.image.getContext('2d').putImageData(data, 0, 0);
   }
@@ -98,6 +98,7 @@ export class Slice {
     context.drawImage(this.image, left, bottom - this.image.height * voxel, this.image.width * voxel, this.image.height * voxel);
     context.restore();
     this.draw_lines(context, frame);
+    draw_measure(context, this, frame);
     this.draw_bar(context, frame);
     this.draw_axes(context, frame);
     const text = place_text(state.place[axis], volume.cell);

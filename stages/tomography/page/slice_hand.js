@@ -37,9 +37,10 @@ export function hold_slice(slice) {
     canvas.focus({ preventScroll: true });
     e.preventDefault();
     fingers.set(e.pointerId, point(e));
-    const what = fingers.size > 1 ? 'fingers' : e.button === 1 ? 'pan' : e.button === 2 || e.shiftKey ? 'window' : 'place';
+    const what = fingers.size > 1 ? 'fingers' : e.button === 1 ? 'pan' : e.button === 2 || e.shiftKey ? 'window' : state.measuring ? 'measure' : 'place';
     held = { what, at: point(e), ...(what === 'fingers' ? gesture() : {}) };
     if (what === 'place') state.go(slice.to_place(held.at));
+    if (what === 'measure') held.from = slice.to_place(held.at), state.set_measure({ axis: slice.axis, from: held.from, to: held.from });
   });
   canvas.addEventListener('pointermove', (e) => {
     const at = point(e);
@@ -47,6 +48,7 @@ export function hold_slice(slice) {
     fingers.set(e.pointerId, at);
     const [dx, dy] = [at[0] - held.at[0], at[1] - held.at[1]];
     if (held.what === 'place') state.hover(null), state.go(slice.to_place(at));
+    if (held.what === 'measure') state.set_measure({ axis: slice.axis, from: held.from, to: slice.to_place(at) });
     if (held.what === 'pan') pan(dx, dy);
     if (held.what === 'window') {
       const reach = (slice.volume.high - slice.volume.low) * kWindow, middle = (state.black + state.white) / 2 + dy * reach;

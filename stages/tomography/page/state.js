@@ -9,6 +9,7 @@ export class State {
     this.volume = volume, this.listeners = [];
     this.place = [0, 1, 2].map((c) => volume.centre(volume.size[c] >> 1, c));
     this.hovered = null;  // place under the pointer
+    this.measuring = false, this.measure = null;
     this.show_whole();
     this.reset_window();
   }
@@ -32,6 +33,16 @@ export class State {
   hover(place) {
     this.hovered = place;
     this.changed('hover');
+  }
+
+  // measure: {axis, from, to}, places in a slice across the axis; null without one.
+  set_measure(measure) {
+    this.measure = measure;
+    this.changed('measure');
+  }
+  set_measuring(on) {
+    this.measuring = on;
+    this.changed('measure');
   }
 
   // Densities that are black and white.
