@@ -49,21 +49,15 @@ export class Slice {
     return place;
   }
 
-  // Grey values of the slice in `image`, one pixel a voxel; transparent outside of what the scan shows.
+  // Grey values of the slice in `image`, one pixel a voxel.
   paint_voxels() {
     const { volume, state, axis, right, up } = this, { values, strides, size } = volume;
     const at = volume.voxel(state.place[axis], axis), key = [at, state.black, state.white].join();
     if (key === this.painted) return;
     this.painted = key;
     const w = size[right], h = size[up], data = new ImageData(w, h), words = new Uint32Array(data.data.buffer), grey = this.greys();
-    // Squared distance from the axis of the cylinder, z.
-    const square = (voxel, c) => (c === 2 ? 0 : volume.centre(voxel, c) ** 2), across = Float64Array.from({ length: w }, (_, x) => square(x, right));
-    const most = volume.radius === null ? Infinity : volume.radius ** 2 - square(at, axis);
-    for (let y = 0, to = 0; y < h; ++y) {
-      const left = most - square(h - 1 - y, up);
-      for (let x = 0, from = at * strides[axis] + (h - 1 - y) * strides[up]; x < w; ++x, ++to, from += strides[right])
-        if (across[x] <= left) words[to] = grey[values[from]];
-    }
+    for (let y = 0, to = 0; y < h; ++y)
+      for (let x = 0, from = at * strides[axis] + (h - 1 - y) * strides[up]; x < w; ++x, ++to, from += strides[right]) words[to] = grey[values[from]];
     this.image.getContext('2d').putImageData(data, 0, 0);
   }
   // Pixel of each step.
@@ -93,6 +87,7 @@ export class Slice {
     context.rect(left, end_y, end_x - left, bottom - end_y);
     context.clip();
     this.hatch(context, left, end_y, end_x, bottom);
+    this.clip_to_known(context, frame);
     const voxel = volume.cell * scale;
     context.imageSmoothingEnabled = true, context.imageSmoothingQuality = 'high';
     context.drawImage(this.image, left, bottom - this.image.height * voxel, this.image.width * voxel, this.image.height * voxel);
@@ -107,6 +102,16 @@ export class Slice {
     this.slider.value = volume.voxel(state.place[axis], axis);
     this.slider.setAttribute('aria-valuetext', `${text} ${volume.unit}`);
     canvas.setAttribute('aria-label', `slice across ${'xyz'[axis]} at ${text} ${volume.unit}; arrows move the crosshair, page up and page down the slice`);
+  }
+  // The part of the plane that is in the cylinder around z.
+  clip_to_known(context, frame) {
+    const { radius } = this.volume, { place } = this.state;
+    if (radius === null) return;
+    const [x, y] = this.to_screen([0, 0, place[2]], frame), half = Math.sqrt(Math.max(0, radius ** 2 - (this.axis === 2 ? 0 : place[this.axis] ** 2))) * frame.scale;
+    context.beginPath();
+    if (this.axis === 2) context.arc(x, y, half, 0, 2 * Math.PI);
+    else context.rect(x - half, 0, 2 * half, frame.height);
+    context.clip();
   }
   // Where nothing is known.
   hatch(context, x0, y0, x1, y1) {

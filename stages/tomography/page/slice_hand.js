@@ -5,7 +5,7 @@
 const kZoomStep = 1.15;
 const kWheel = 40;  // screen pixels of the wheel that are one slice
 const kKeyZoom = 1.25;
-const kWindow = 0.004;  // of the range of densities, per screen pixel
+const kWindow = 0.006;  // share of the range from black to white, per screen pixel
 
 export function hold_slice(slice) {
   const { canvas, state } = slice, fingers = new Map();
@@ -51,9 +51,8 @@ export function hold_slice(slice) {
     if (held.what === 'measure') state.set_measure({ axis: slice.axis, from: held.from, to: slice.to_place(at) });
     if (held.what === 'pan') pan(dx, dy);
     if (held.what === 'window') {
-      const reach = (slice.volume.high - slice.volume.low) * kWindow, middle = (state.black + state.white) / 2 + dy * reach;
-      const half = Math.max(reach, (state.white - state.black) / 2 + (dx * reach) / 2);
-      state.set_window(middle - half, middle + half);
+      const half = (state.white - state.black) / 2, middle = (state.black + state.white) / 2 + dy * kWindow * half, wider = half * Math.exp(dx * kWindow);
+      state.set_window(middle - wider, middle + wider);
     }
     if (held.what === 'fingers' && fingers.size > 1) {
       const now = gesture();
