@@ -72,7 +72,7 @@ struct BlendKernel {
   VITRINE_HD void run(uint32_t phase, Place at, Thread& t, Shared& shared) const {
     const uint32_t batch = phase / 2, list_begin = begin[at.block], list_size = begin[at.block + 1] - list_begin;
     if (phase % 2 == 1) {
-      blend_batch(at, t, shared, list_size, batch & 1);
+      blend_batch(t, shared, list_size, batch & 1);
       return;
     }
     if (phase == 0)
@@ -120,15 +120,14 @@ struct BlendKernel {
     t.state = State::Sweeping;
   }
 
-  VITRINE_HD void blend_batch(Place at, Thread& t, Shared& shared, uint32_t list_size, uint32_t parity) const {
-    (void)at;
+  VITRINE_HD void blend_batch(Thread& t, Shared& shared, uint32_t list_size, uint32_t parity) const {
     if (t.state == State::Sweeping) {
       const uint32_t left = list_size - t.position, count = left < kThreads ? left : kThreads;
       for (uint32_t j = 0; j < count && t.state == State::Sweeping; ++j) blend_surfel(t, shared, j);
       if (t.state == State::Sweeping && left <= kThreads) end_sweep(t);
     }
-    if (t.state == State::Sweeping) shared.open[parity] = 1;
-    if (t.state == State::Swept) shared.again[parity] = 1;
+    if (t.state == State::Sweeping) set_flag(shared.open[parity]);
+    if (t.state == State::Swept) set_flag(shared.again[parity]);
   }
   VITRINE_HD void blend_surfel(Thread& t, const Shared& shared, uint32_t j) const {
     const F32 z_low = shared.z_low[j];

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <numeric>
@@ -27,6 +28,15 @@ namespace vitrine::blocks {
 struct Place {
   uint32_t block, thread;
 };
+
+// Any number of threads may set a flag in one phase.
+VITRINE_HD inline void set_flag(uint32_t& flag) {
+#ifdef __CUDA_ARCH__
+  atomicOr(&flag, 1u);
+#else
+  std::atomic_ref(flag).store(1, std::memory_order_relaxed);
+#endif
+}
 
 struct NoShared {};
 struct NoThread {};
