@@ -28,7 +28,8 @@ constexpr size_t kNamedPhotos = 8;  // in the message for a photo without a came
 // Folder name of a light: its file names without characters that file systems or shells may reject.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
   std::string label = environment ? environment->stem().string() : lights ? "" : "captured";
-  if (lights) label += (label.empty() ? "" : "_") + lights->stem().string();
+  if (lights && !label.empty()) label += '_';
+  if (lights) label += lights->stem().string();
   for (char& c : label)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
   return label.find_first_not_of('.') == std::string::npos ? "light" : label;

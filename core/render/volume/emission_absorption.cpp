@@ -49,29 +49,29 @@ inline __attribute__((always_inline)) float floored(float transmittance) {
 
 // [cell], of optical depth and the emission of three channels.
 struct TileCells {
-  alignas(64) std::array<std::array<RayValues, EmissionAbsorption::kMostCells>, 4> values;
+  alignas(64) std::array<std::array<TileValues, EmissionAbsorption::kMostCells>, 4> values;
   RayCell<float> at(size_t cell, size_t ray) const {
     return {values[0][cell][ray], {values[1][cell][ray], values[2][cell][ray], values[3][cell][ray]}};
   }
   void clear(int cells) {
-    for (auto& channel : values) std::fill_n(channel.begin(), cells, RayValues{});
+    for (auto& channel : values) std::fill_n(channel.begin(), cells, TileValues{});
   }
 };
 
 // Adds a Gaussian to the cells [first, last] of all rays.
 void add_gaussian(const LineIntegrals::Prepared& g, const Vec3f& color, const RayTiles::Tile& tile, std::span<const float> nodes,
                   size_t first, size_t last, TileCells& cells) {
-  alignas(64) RayValues depth, at, inverse_width, passed{};
+  alignas(64) TileValues depth, at, inverse_width, passed{};
   for (size_t i = 0; i < RayTiles::kRays; ++i) {
     const ProfileLane l = profile_of_ray(g, tile, i);
     depth[i] = l.profile.depth, at[i] = l.profile.at, inverse_width[i] = 1.f / l.profile.width;
   }
-  const auto add = [&](size_t cell, const RayValues& part) {
+  const auto add = [&](size_t cell, const TileValues& part) {
     for (size_t i = 0; i < RayTiles::kRays; ++i) cells.values[0][cell][i] += part[i];
     for (size_t c = 0; c < 3; ++c)
       for (size_t i = 0; i < RayTiles::kRays; ++i) cells.values[1 + c][cell][i] += color[c] * part[i];
   };
-  alignas(64) RayValues part;
+  alignas(64) TileValues part;
   for (size_t cell = first; cell < last; ++cell) {
     for (size_t i = 0; i < RayTiles::kRays; ++i) {
       const float now = normal_cdf((nodes[cell] - at[i]) * inverse_width[i]).below;
@@ -86,11 +86,11 @@ void add_gaussian(const LineIntegrals::Prepared& g, const Vec3f& color, const Ra
 
 struct TileLight {
   alignas(64) RayVectors color{};
-  alignas(64) RayValues transmittance;
+  alignas(64) TileValues transmittance;
 };
 
 // Front to back. `before`: transmittance before each cell, where it is wanted.
-TileLight light_of(const TileCells& cells, int count, std::vector<RayValues>* before) {
+TileLight light_of(const TileCells& cells, int count, std::vector<TileValues>* before) {
   TileLight out;
   out.transmittance.fill(1.f);
   for (size_t k = 0; k < size_t(count); ++k) {
@@ -108,9 +108,9 @@ TileLight light_of(const TileCells& cells, int count, std::vector<RayValues>* be
 
 // Replaces the values of the cells by the gradients by them.
 void cells_vjp(const TileLight& gradient, int count, TileCells& cells) {
-  std::vector<RayValues> before;
+  std::vector<TileValues> before;
   const TileLight light = light_of(cells, count, &before);
-  alignas(64) RayValues behind;
+  alignas(64) TileValues behind;
   for (size_t i = 0; i < RayTiles::kRays; ++i) behind[i] = gradient.transmittance[i] * light.transmittance[i];
   for (size_t k = size_t(count); k-- > 0;)
     for (size_t i = 0; i < RayTiles::kRays; ++i) {
@@ -125,8 +125,8 @@ void cells_vjp(const TileLight& gradient, int count, TileCells& cells) {
 // Of the cells [first, last] of a Gaussian: sums of cell gradients times the share of the Gaussian in the cell, per channel, and
 // their derivatives by its distance and width.
 struct ProfileGradients {
-  alignas(64) std::array<RayValues, 4> share;
-  alignas(64) RayValues at{}, width{};
+  alignas(64) std::array<TileValues, 4> share;
+  alignas(64) TileValues at{}, width{};
 };
 
 ProfileGradients profile_gradients(const Vec3f& color, const RayVectors& profile, std::span<const float> nodes, size_t first,
@@ -134,7 +134,7 @@ ProfileGradients profile_gradients(const Vec3f& color, const RayVectors& profile
   const auto& [depth, at, inverse_width] = profile;
   ProfileGradients out;
   for (size_t c = 0; c < 4; ++c) out.share[c] = gradient.values[c][last];
-  alignas(64) RayValues below, density, x, step;
+  alignas(64) TileValues below, density, x, step;
   for (size_t node = first; node < last; ++node) {
     for (size_t i = 0; i < RayTiles::kRays; ++i) {
       x[i] = (nodes[node] - at[i]) * inverse_width[i];
@@ -144,7 +144,7 @@ ProfileGradients profile_gradients(const Vec3f& color, const RayVectors& profile
     step.fill(0.f);
     for (size_t c = 0; c < 4; ++c) {
       const float weight = c == 0 ? 1.f : color[c - 1];
-      const RayValues &here = gradient.values[c][node], &next = gradient.values[c][node + 1];
+      const TileValues &here = gradient.values[c][node], &next = gradient.values[c][node + 1];
       for (size_t i = 0; i < RayTiles::kRays; ++i) {
         const float change = here[i] - next[i];
         out.share[c][i] += below[i] * change;
@@ -172,7 +172,7 @@ EmissionSums emission_sums(const LineIntegrals::Prepared& g, const Vec3f& color,
     direction[0][i] = l.direction.x, direction[1][i] = l.direction.y, direction[2][i] = l.direction.z;
   }
   const ProfileGradients p = profile_gradients(color, profile, nodes, first, last, gradient);
-  alignas(64) RayValues of_depth, inverse, with_width;
+  alignas(64) TileValues of_depth, inverse, with_width;
   for (size_t i = 0; i < RayTiles::kRays; ++i) {
     const float by_depth = p.share[0][i] + color.x * p.share[1][i] + color.y * p.share[2][i] + color.z * p.share[3][i];
     of_depth[i] = by_depth * profile[0][i];
@@ -219,7 +219,7 @@ void EmissionAbsorption::place_cells(size_t t) {
   std::vector<std::pair<float, float>> ranges;
   for (const uint32_t instance : instances) {
     const LineIntegrals::Prepared& g = lines_.prepared_at(lines_.gaussian_of(instance));
-    alignas(64) RayValues depth, at, width;
+    alignas(64) TileValues depth, at, width;
     for (size_t i = 0; i < RayTiles::kRays; ++i) {
       const RayProfile<float> p = profile_of_ray(g, lines_.rays().tiles()[t], i).profile;
       depth[i] = p.depth, at[i] = p.at, width[i] = p.width;

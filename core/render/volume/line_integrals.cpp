@@ -64,9 +64,9 @@ void add_integrals(const Prepared& g, const Tile& tile, std::array<float, RayTil
 }
 
 // Sums over the rays of a tile, as kernels/density.h.
-WhitenedSums gradient_sums(const Prepared& g, const Tile& tile, const RayValues& gradient) {
+WhitenedSums gradient_sums(const Prepared& g, const Tile& tile, const TileValues& gradient) {
   alignas(64) RayVectors offset, of_origin, of_direction;
-  alignas(64) RayValues value;
+  alignas(64) TileValues value;
   for (size_t i = 0; i < RayTiles::kRays; ++i) {
     const Lane l = evaluate(g, tile, i);
     const float part = -gradient[i] * l.value, by_direction = part * l.inverse;

@@ -10,11 +10,11 @@
 
 namespace vitrine {
 
-using RayValues = std::array<float, RayTiles::kRays>;
-using RayVectors = std::array<RayValues, 3>;  // [axis][ray]
+using TileValues = std::array<float, RayTiles::kRays>;
+using RayVectors = std::array<TileValues, 3>;  // [axis][ray]
 
 // Eight partial sums, added in their order.
-inline float sum_of_products(const RayValues& a, const RayValues& b) {
+inline float sum_of_products(const TileValues& a, const TileValues& b) {
   constexpr size_t kLanes = 8;
   using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
   Lanes sum{};
@@ -29,8 +29,8 @@ inline float sum_of_products(const RayValues& a, const RayValues& b) {
   return total;
 }
 
-inline float sum_of(const RayValues& a) {
-  RayValues ones;
+inline float sum_of(const TileValues& a) {
+  TileValues ones;
   ones.fill(1.f);
   return sum_of_products(a, ones);
 }
