@@ -21,11 +21,23 @@ std::vector<double> depth_of_bins(std::span<const TileProfile> profiles, double 
   return depth;
 }
 
+// Those that count: others, which may lie anywhere, would pull borders away. A profile without depth has no place, either.
+std::vector<TileProfile> visible(std::span<const TileProfile> profiles) {
+  constexpr double kLeastShare = 1e-5;
+  double sum = 0;
+  for (const TileProfile& p : profiles) sum += p.depth;
+  std::vector<TileProfile> out;
+  for (const TileProfile& p : profiles)
+    if (p.depth > kLeastShare * sum) out.push_back(p);
+  return out;
+}
+
 }  // namespace
 
-std::vector<float> cell_nodes(std::span<const TileProfile> profiles, int cells) {
+std::vector<float> cell_nodes(std::span<const TileProfile> all, int cells) {
   constexpr size_t kBins = 128;
   constexpr double kEven = 0.15;  // share of borders that are spread evenly
+  const std::vector<TileProfile> profiles = visible(all);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const TileProfile& p : profiles) {
     low = std::min(low, p.at - p.half);

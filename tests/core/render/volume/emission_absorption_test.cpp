@@ -180,6 +180,29 @@ TEST(EmissionAbsorption, SameBytesForAnyNumberOfThreads) {
     EXPECT_TRUE(lights[0] == lights[i] && gradients[0] == gradients[i] && of_colors[0] == of_colors[i]);
 }
 
+TEST(EmissionAbsorption, GaussiansThatAreNotSeenMoveNoCells) {
+  EmissionScene s(30, 1);
+  const EmissionAbsorption before(s.tiles, s.fast);
+  for (const float log_density : {-30.f, -300.f}) {  // the second is 0 as a float
+    s.fast.push_back({.mean = cast<float>(EmissionScene::kCentre + 500.0 * s.rays[s.rays.size() / 2].direction),
+                      .log_scale = {4, 4, 4},
+                      .rotation = {1, 0, 0, 0},
+                      .log_density = log_density});
+    s.fast_colors.push_back({1, 1, 1});
+  }
+  const EmissionAbsorption path(s.tiles, s.fast);
+  EXPECT_GE(path.instances(), before.instances() + 2 * s.tiles.tiles().size()) << "they are in no tile";
+  const size_t middle = s.tiles.tiles().size() / 2;  // a tile that others fill
+  EXPECT_TRUE(std::ranges::equal(before.nodes(middle), path.nodes(middle)));
+  std::vector<VolumeLightf> light(s.rays.size());
+  path.forward(s.fast_colors, light);
+  for (const VolumeLightf& l : light) ASSERT_TRUE(std::isfinite(l.color.x + l.transmittance));
+  std::vector<Gaussian3Gradient> out(s.fast.size());
+  std::vector<Vec3f> out_colors(s.fast.size());
+  path.backward(s.fast_colors, weights_of(s.rays.size()), out, out_colors);
+  for (const double v : test::flat(out)) ASSERT_TRUE(std::isfinite(v));
+}
+
 TEST(EmissionAbsorption, RaysThatMeetNothingAreClear) {
   const EmissionScene s(3, 1);
   std::vector<Gaussian3f> away = s.fast;
