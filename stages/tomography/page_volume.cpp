@@ -73,13 +73,9 @@ PageVolume page_volume(const VoxelGrid<float>& volume) {
 }
 
 std::string packed_steps(const VoxelGrid<uint16_t>& steps) {
-  const size_t n = steps.count(), row = size_t(steps.size[0]);
+  const size_t n = steps.count();
   std::string out(2 * n, '\0');
-  for (size_t i = 0; i < n; ++i) {
-    const int difference = int(steps.values[i]) - (i % row == 0 ? 0 : int(steps.values[i - 1]));
-    const unsigned word = difference < 0 ? unsigned(-difference) * 2 - 1 : unsigned(difference) * 2;
-    out[i] = char(word & 255), out[n + i] = char(word >> 8);
-  }
+  for (size_t i = 0; i < n; ++i) out[i] = char(steps.values[i] & 255), out[n + i] = char(steps.values[i] >> 8);
   return out;
 }
 

@@ -27,7 +27,7 @@ struct PageVolume {
 };
 PageVolume page_volume(const VoxelGrid<float>& volume);
 
-// Differences of neighbours along x (the first of a row: from 0), signs in the lowest bit; all low bytes, then all high bytes.
+// All low bytes, then all high bytes.
 std::string packed_steps(const VoxelGrid<uint16_t>& steps);
 
 struct VolumePageDesc {

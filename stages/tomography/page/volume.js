@@ -1,17 +1,7 @@
-// The volume in the page (stages/tomography/page_volume.h): head (JSON) and steps (differences of neighbours along x).
+// The volume in the page (stages/tomography/page_volume.h): head (JSON) and steps (all low bytes, then all high bytes).
 import { inflated } from '../../page/inflated.js';
 
 const kFormat = 1;  // version of the data, as in page_volume.cpp
-
-function undone_differences(bytes, count, row) {
-  const out = new Uint16Array(count);
-  for (let i = 0, before = 0; i < count; ++i) {
-    const word = bytes[i] | (bytes[count + i] << 8);
-    if (i % row === 0) before = 0;
-    out[i] = before += word & 1 ? -((word + 1) >> 1) : word >> 1;
-  }
-  return out;
-}
 
 // Throws if the page has no volume, one of another version, or a damaged one.
 export async function read_volume(from = document) {
@@ -23,7 +13,7 @@ export async function read_volume(from = document) {
     if (head.format === kFormat) {
       const count = head.size[0] * head.size[1] * head.size[2], bytes = await inflated(text('steps'));
       if (bytes.length !== 2 * count) throw new Error('the number of its voxels is wrong');
-      values = undone_differences(bytes, count, head.size[0]);
+      values = Uint16Array.from({ length: count }, (_, i) => bytes[i] | (bytes[count + i] << 8));
     }
   } catch (e) {
     throw new Error('its data are damaged', { cause: e });

@@ -50,11 +50,8 @@ Decoded decoded(const std::string& page) {
       Z_OK);
   EXPECT_EQ(length, bytes.size());
   const double low = out.head["low"], high = out.head["high"];
-  int step = 0;
   for (size_t i = 0; i < n; ++i) {
-    const int word = int(uint8_t(bytes[i])) | int(uint8_t(bytes[n + i])) << 8;
-    if (i % size_t(size[0]) == 0) step = 0;
-    step += word % 2 != 0 ? -(word + 1) / 2 : word / 2;
+    const int step = int(uint8_t(bytes[i])) | int(uint8_t(bytes[n + i])) << 8;
     out.densities.push_back(low + step * (high - low) / out.head["steps"].get<double>());
   }
   return out;
