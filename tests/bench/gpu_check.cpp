@@ -1,5 +1,5 @@
-// The forward pass on a CUDA device against the same kernels run as loops on the CPU: bytes must be equal, also from run to run.
-// Prints the time of each kernel. Exit codes: 0 equal, 1 different, 7 no device.
+// The passes, forward and reverse, on a CUDA device against the same kernels run as loops on the CPU: bytes must be equal, also
+// from run to run. Prints the time of each kernel. Exit codes: 0 equal, 1 different, 7 no device.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -27,22 +27,32 @@ std::vector<TinyScene> scenes(bool small) {
   return all;
 }
 
+// Planes of the forward pass, gradients and statistics of the reverse pass, whose input are those planes.
+std::vector<std::vector<float>> passes(Renderer& renderer, const TinyScene& scene) {
+  RasterImages images;
+  renderer.forward(scene.layer, scene.desc, images);
+  SplatLayer grad = scene.layer.zeros_like();
+  SurfelStatistics statistics;
+  renderer.backward({.gradients = &images, .error_image = images.plane(Aov::Alpha)}, grad, &statistics);
+  std::vector<std::vector<float>> all(images.planes.begin(), images.planes.end());
+  for (const AttributeRow& r : kAttributes) all.emplace_back(grad.values(r.id).begin(), grad.values(r.id).end());
+  for (const auto* v : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) all.push_back(*v);
+  return all;
+}
+
 // Number of floats whose bytes differ.
-size_t differences(const RasterImages& a, const RasterImages& b) {
+size_t differences(const std::vector<std::vector<float>>& a, const std::vector<std::vector<float>>& b) {
   size_t count = 0;
-  for (size_t p = 0; p < kAovCount; ++p) {
-    if (a.planes[p].size() != b.planes[p].size()) return 1;
-    for (size_t i = 0; i < a.planes[p].size(); ++i) count += std::memcmp(&a.planes[p][i], &b.planes[p][i], sizeof(float)) != 0;
+  for (size_t p = 0; p < a.size(); ++p) {
+    if (a[p].size() != b[p].size()) return 1;
+    for (size_t i = 0; i < a[p].size(); ++i) count += std::memcmp(&a[p][i], &b[p][i], sizeof(float)) != 0;
   }
   return count;
 }
 
 bool check(Renderer& device, TinyScene scene, FeatureSet features) {
   scene.desc.features = features;
-  RasterImages expected, first, second;
-  make_blocks_renderer()->forward(scene.layer, scene.desc, expected);
-  device.forward(scene.layer, scene.desc, first);
-  device.forward(scene.layer, scene.desc, second);
+  const auto expected = passes(*make_blocks_renderer(), scene), first = passes(device, scene), second = passes(device, scene);
   const size_t from_loops = differences(expected, first), from_first = differences(first, second);
   if (from_loops + from_first > 0)
     std::printf("DIFFERENT  %-16s %zu channels: %zu floats from the loops on the CPU, %zu from the first run\n",
@@ -53,15 +63,14 @@ bool check(Renderer& device, TinyScene scene, FeatureSet features) {
 void print_times(const TinyScene& scene) {
   std::map<std::string, double> kernels;
   const auto device = make_blocks_renderer(make_cuda_pass(&kernels));
-  RasterImages images;
-  device->forward(scene.layer, scene.desc, images);  // takes its memory
+  passes(*device, scene);  // takes its memory
   kernels.clear();
   const auto begin = std::chrono::steady_clock::now();
-  for (int i = 0; i < kTimedRuns; ++i) device->forward(scene.layer, scene.desc, images);
+  for (int i = 0; i < kTimedRuns; ++i) passes(*device, scene);
   const std::chrono::duration<double, std::milli> all = std::chrono::steady_clock::now() - begin;
   const RasterCounts counts = device->counts();
-  std::printf("%s: %zu surfels, %llu instances, %llu fragments, %llu evaluated; a call with copies %.3f ms\n", scene.name.c_str(),
-              scene.layer.size(), static_cast<unsigned long long>(counts.instances),
+  std::printf("%s: %zu surfels, %llu instances, %llu fragments, %llu evaluated; both passes with copies %.3f ms\n",
+              scene.name.c_str(), scene.layer.size(), static_cast<unsigned long long>(counts.instances),
               static_cast<unsigned long long>(counts.fragments), static_cast<unsigned long long>(counts.lanes),
               all.count() / kTimedRuns);
   double sum = 0;

@@ -50,7 +50,7 @@ class Renderer {
   virtual std::string_view numerics_tag() const = 0;
 };
 
-// Blocks: the kernels for a GPU as loops on the CPU (blocks/block_kernel.h); forward only, for tests.
+// Blocks: the kernels for a GPU as loops on the CPU (blocks/block_kernel.h); for tests.
 enum class Backend { Reference, Cpu, Blocks };
 // Instruction set of Backend::Cpu. Best: the widest that the machine supports, unless the environment variable VITRINE_SIMD is
 // "avx2" or "avx512".

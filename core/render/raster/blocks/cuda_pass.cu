@@ -1,4 +1,4 @@
-// The forward pass on a CUDA device. Only the target vitrine_cuda has it.
+// The passes on a CUDA device. Only the target vitrine_cuda has it.
 #include <map>
 #include <string>
 

@@ -17,6 +17,17 @@ struct SurfelArrays {  // raw values, one array for each attribute (SplatLayer);
   uint32_t sh_rest_width, count;
 };
 
+VITRINE_HD inline SurfelGeometry<F32> geometry_of(const SurfelArrays& surfels, uint32_t i) {
+  const float *m = surfels.mean + size_t{3} * i, *q = surfels.rotation + size_t{4} * i, *s = surfels.log_scale + size_t{2} * i;
+  return {{m[0], m[1], m[2]}, {q[0], q[1], q[2], q[3]}, s[0], s[1]};
+}
+// The first kCount coefficients of spherical harmonics, channel after channel of each.
+template <size_t kCount>
+VITRINE_HD void coefficients_of(const SurfelArrays& surfels, uint32_t i, F32* h) {
+  for (size_t k = 0; k < 3; ++k) h[k] = surfels.sh_dc[size_t{3} * i + k];
+  for (size_t k = 3; k < kCount; ++k) h[k] = surfels.sh_rest[size_t{surfels.sh_rest_width} * i + k - 3];
+}
+
 struct BlockView {
   static constexpr int kTileSide = 16;
   Camera<F32> camera;
@@ -61,8 +72,7 @@ struct ProjectKernel {
   }
 
   VITRINE_HD uint32_t project_surfel(uint32_t i) const {
-    const float *m = surfels.mean + size_t{3} * i, *q = surfels.rotation + size_t{4} * i, *s = surfels.log_scale + size_t{2} * i;
-    const SurfelGeometry<F32> geometry{{m[0], m[1], m[2]}, {q[0], q[1], q[2], q[3]}, s[0], s[1]};
+    const SurfelGeometry<F32> geometry = geometry_of(surfels, i);
     const Projection<F32> p = project(geometry, view.camera);
     const F32 opacity = sigmoid(F32(surfels.opacity[i]));
     if (!is_visible(p, opacity, F32(view.near_z))) return 0;
@@ -141,8 +151,7 @@ struct ProjectKernel {
   VITRINE_HD Vec3<F32> colour_of_degree(uint32_t i, const Vec3<F32>& mean) const {
     constexpr size_t kCount = 3 * sh_coefficient_count(kDegree);
     F32 h[kCount];
-    for (size_t k = 0; k < 3; ++k) h[k] = surfels.sh_dc[size_t{3} * i + k];
-    for (size_t k = 3; k < kCount; ++k) h[k] = surfels.sh_rest[size_t{surfels.sh_rest_width} * i + k - 3];
+    coefficients_of<kCount>(surfels, i, h);
     return sh_colour(kDegree, mean, view.camera.eye, h).value;
   }
 };

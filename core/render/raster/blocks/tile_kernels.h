@@ -14,7 +14,6 @@ struct InstanceKey {
   VITRINE_HD static uint64_t of(uint32_t tile, float z) {
     return uint64_t{tile} << kTileAt | (float_bits(z) >> kDropped << kDropped);
   }
-  VITRINE_HD static uint32_t tile(uint64_t key) { return static_cast<uint32_t>(key >> kTileAt); }
   VITRINE_HD static float depth(uint64_t key) { return float_from_bits(static_cast<uint32_t>(key)); }
 };
 
@@ -27,7 +26,9 @@ struct InstanceKernel {
   const SplatBounds* bounds;
   const uint32_t* offsets;  // of each surfel: instances of those before it
   const uint32_t* total;    // of all surfels
-  SortedPairs instances;
+  SortedPairs
+      instances;     // values: the place of the instance before it is sorted, surfel by surfel, each in the order of its tiles
+  uint32_t* owners;  // the surfel of each place
   uint32_t surfels;
 
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
@@ -37,12 +38,45 @@ struct InstanceKernel {
     uint32_t to = offsets[i];
     if (to == (i + 1 < surfels ? offsets[i + 1] : *total)) return;
     const SortedPairs out = instances;
+    uint32_t* const owner = owners;
     for_each_tile(bounds[i], view, [&](uint32_t tile, float z) {
       out.keys[to] = InstanceKey::of(tile, z);
-      out.values[to++] = i;
+      owner[to] = i;
+      out.values[to] = to;
+      ++to;
     });
   }
 };
+
+// The surfel of each sorted instance.
+struct OwnerKernel {
+  static constexpr uint32_t kThreads = 128;
+  using Shared = NoShared;
+  using Thread = NoThread;
+  const uint32_t* places;  // of the sorted instances
+  const uint32_t* owners;  // of the places
+  uint32_t* surfels;
+  uint32_t instances;
+
+  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
+  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
+    const uint32_t i = at.block * kThreads + at.thread;
+    if (i < instances) surfels[i] = owners[places[i]];
+  }
+};
+
+// Index of the first of `size` ascending keys that is not below `key`.
+VITRINE_HD inline uint32_t first_at_least(const uint64_t* keys, uint32_t size, uint64_t key) {
+  uint32_t low = 0, high = size;
+  while (low < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (keys[middle] < key)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
 
 // begin[tile], tile = 0 ... tiles: the first instance of this tile or a later one.
 struct TileBeginKernel {
@@ -56,16 +90,7 @@ struct TileBeginKernel {
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
     const uint32_t tile = at.block * kThreads + at.thread;
-    if (tile > tiles) return;
-    uint32_t low = 0, high = instances;
-    while (low < high) {
-      const uint32_t middle = low + (high - low) / 2;
-      if (InstanceKey::tile(keys[middle]) < tile)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    begin[tile] = low;
+    if (tile <= tiles) begin[tile] = first_at_least(keys, instances, uint64_t{tile} << InstanceKey::kTileAt);
   }
 };
 

@@ -1,4 +1,4 @@
-// The CPU back end against the executable specification: tiny scenes x instruction sets, images and gradients.
+// Back ends against the executable specification: tiny scenes x instruction sets and block kernels, images and gradients.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,19 +55,26 @@ std::vector<uint8_t> some_pixels(const Intrinsics& k) {
   return wanted;
 }
 
-class Backends : public testing::TestWithParam<Simd> {
+struct Column {
+  const char* name;
+  Backend backend;
+  Simd simd;
+};
+
+class Backends : public testing::TestWithParam<Column> {
  protected:
   void SetUp() override {
-    if (!machine_has(GetParam())) GTEST_SKIP() << "this machine lacks the instruction set";
+    if (!machine_has(GetParam().simd)) GTEST_SKIP() << "this machine lacks the instruction set";
   }
+  std::unique_ptr<Renderer> renderer() const { return make_renderer(GetParam().backend, GetParam().simd); }
 };
 
 TEST_P(Backends, AgreesWithTheReferenceOnEveryTinyScene) {
-  const auto reference = make_renderer(Backend::Reference), cpu = make_renderer(Backend::Cpu, GetParam());
+  const auto reference = make_renderer(Backend::Reference), fast = renderer();
   double worst_image = 0, worst_grad = 0, worst_statistic = 0;
   for (const TinyScene& scene : tiny_scenes()) {
     SCOPED_TRACE(scene.name);
-    const Pass expected = run(*reference, scene), actual = run(*cpu, scene);
+    const Pass expected = run(*reference, scene), actual = run(*fast, scene);
     for (const AovRow& r : kAovs) {
       const auto e = expected.images.plane(r.id), a = actual.images.plane(r.id);
       ASSERT_EQ(e.size(), a.size());
@@ -91,15 +98,15 @@ TEST_P(Backends, AgreesWithTheReferenceOnEveryTinyScene) {
     statistic(actual.statistics.error, expected.statistics.error, "error");
     statistic(actual.statistics.screen_gradient, expected.statistics.screen_gradient, "screen gradient");
   }
-  std::cout << cpu->numerics_tag() << " against reference: worst image difference " << worst_image
+  std::cout << fast->numerics_tag() << " against reference: worst image difference " << worst_image
             << ", worst gradient relative L2 " << worst_grad << ", worst statistic " << worst_statistic << "\n";
 }
 
 // Wanted pixels are as in the whole picture, the others as before an empty scene; gradients are those of the whole picture with
 // nothing asked of the others.
 TEST_P(Backends, LeavesOutPixelsThatAreNotWanted) {
-  for (const Backend backend : {Backend::Reference, Backend::Cpu}) {
-    const auto renderer = make_renderer(backend, GetParam());
+  for (const Backend backend : {Backend::Reference, GetParam().backend}) {
+    const auto renderer = make_renderer(backend, GetParam().simd);
     TinyScene scene = cloud_scene("cloud", 300, 75, 53, 0.1, 0.8, 22);
     scene.desc.background = {0.1f, 0.2f, 0.3f};
     const std::vector<uint8_t> wanted = some_pixels(scene.desc.intrinsics);
@@ -135,11 +142,11 @@ TEST_P(Backends, LeavesOutPixelsThatAreNotWanted) {
 
 // The same specification for pictures of which a part is wanted, and for one of which nothing is.
 TEST_P(Backends, AgreesWithTheReferenceOnWhatIsWanted) {
-  const auto reference = make_renderer(Backend::Reference), cpu = make_renderer(Backend::Cpu, GetParam());
+  const auto reference = make_renderer(Backend::Reference), fast = renderer();
   TinyScene scene = cloud_scene("cloud", 300, 75, 53, 0.1, 0.8, 22);
   const std::vector<uint8_t> some = some_pixels(scene.desc.intrinsics), none(some.size(), 0);
   scene.desc.wanted = some;
-  const Pass expected = run(*reference, scene), actual = run(*cpu, scene);
+  const Pass expected = run(*reference, scene), actual = run(*fast, scene);
   for (const AovRow& r : kAovs) {
     const auto e = expected.images.plane(r.id), a = actual.images.plane(r.id);
     for (size_t i = 0; i < e.size(); ++i) ASSERT_NEAR(e[i], a[i], 2e-5) << r.name << " " << i;
@@ -157,7 +164,7 @@ TEST_P(Backends, AgreesWithTheReferenceOnWhatIsWanted) {
 
   scene.desc.wanted = none;
   scene.desc.background = {};
-  for (Renderer* renderer : {reference.get(), cpu.get()}) {
+  for (Renderer* renderer : {reference.get(), fast.get()}) {
     const Pass nothing = run(*renderer, scene);
     for (const auto& plane : nothing.images.planes)
       EXPECT_TRUE(std::ranges::all_of(plane, [](float v) { return v == 0; })) << renderer->name();
@@ -171,8 +178,7 @@ TEST_P(Backends, GivesTheSameBytesForOneTwoAndEightThreads) {
   std::vector<Pass> passes;
   for (int threads : {1, 2, 8}) {
     set_thread_limit(threads);
-    const auto cpu = make_renderer(Backend::Cpu, GetParam());
-    passes.push_back(run(*cpu, scene));
+    passes.push_back(run(*renderer(), scene));
   }
   set_thread_limit(0);
   for (size_t i = 1; i < passes.size(); ++i) {
@@ -183,8 +189,10 @@ TEST_P(Backends, GivesTheSameBytesForOneTwoAndEightThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Simd, Backends, testing::Values(Simd::Avx2, Simd::Avx512),
-                         [](const auto& info) { return info.param == Simd::Avx2 ? "avx2" : "avx512"; });
+INSTANTIATE_TEST_SUITE_P(Simd, Backends,
+                         testing::Values(Column{"avx2", Backend::Cpu, Simd::Avx2}, Column{"avx512", Backend::Cpu, Simd::Avx512},
+                                         Column{"blocks", Backend::Blocks, Simd::Best}),
+                         [](const auto& info) { return info.param.name; });
 
 }  // namespace
 }  // namespace vitrine

@@ -85,19 +85,27 @@ TEST(DeviceUsage, FormulasStayInTheirRegisters) {
                                                {"blend_pixels_vjp", 64}});
 }
 
-// Blending keeps the pixel's sums and eight waiting fragments: two blocks of 256 threads for all channels, three for colour
-// alone.
-TEST(DeviceUsage, KernelsOfTheForwardPassStayInTheirRegisters) {
+// Blending keeps the pixel's sums and eight waiting fragments, the reverse of a surfel its coefficients: two blocks of 256
+// threads.
+TEST(DeviceUsage, KernelsOfThePassesStayInTheirRegisters) {
   expect_registers("cuda_pass.usage", {{"ProjectKernel", 72},
                                        {"ScanKernel", 48},
                                        {"AddTotalsKernel", 32},
                                        {"InstanceKernel", 40},
+                                       {"OwnerKernel", 32},
                                        {"RadixCountKernel", 40},
                                        {"RadixMoveKernel", 40},
                                        {"TileBeginKernel", 32},
-                                       {"BlendKernelILi3", 85},
-                                       {"BlendKernelILi6", 85},
-                                       {"BlendKernelILi12", 128}});
+                                       {"PlaneSinkILi3", 85},
+                                       {"PlaneSinkILi6", 128},
+                                       {"PlaneSinkILi12", 128},
+                                       {"FragmentSink", 85},
+                                       {"FragmentKeyKernel", 32},
+                                       {"PixelReverseKernelILi3", 64},
+                                       {"PixelReverseKernelILi12", 72},
+                                       {"InstanceReverseKernelILi3", 64},
+                                       {"InstanceReverseKernelILi12", 72},
+                                       {"SurfelReverseKernel", 128}});
 }
 
 }  // namespace
