@@ -3,6 +3,7 @@
 #include "core/foundation/config/schema.h"
 #include "core/intake/masks/marks_check.h"
 #include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/holdout.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
@@ -84,7 +85,7 @@ void fuzz_scans(std::span<const uint8_t> bytes) {
   refuses_or_reads([&] { read_scan(path); });
 }
 
-// photos.json, scene.json, gains.json, views.json, a manifest, run.json, a line of events.jsonl, a CSV: all readers get the same
+// photos.json, scene.json, gains.json, views.json, poses.json, a manifest, run.json, a line of events.jsonl, a CSV: all readers get the same
 // bytes.
 void fuzz_records(std::span<const uint8_t> bytes) {
   const fs::path folder = fuzz_folder() / "records";
@@ -98,6 +99,10 @@ void fuzz_records(std::span<const uint8_t> bytes) {
   input_file("records/sfm/rigs.json", text_of(bytes));
   refuses_or_reads([&] { read_rigs(folder); });
   refuses_or_reads([&] { read_view_split(path, two_views()); });
+  std::filesystem::create_directories(folder / "optimize", ec);
+  input_file("records/optimize/poses.json", text_of(bytes));
+  std::vector<View> corrected = two_views();
+  refuses_or_reads([&] { correct_poses(folder, corrected); });
   refuses_or_reads([&] { manifest_from_json(text_of(bytes), "manifest.json"); });
   const Facts facts = Facts::of_file(path);
   for (const std::string& key : facts.keys()) {
