@@ -137,6 +137,7 @@ std::string blocks_problem(const OptimizeConfig& config) {
   const char* other = config.layers == WantedLayers::Reflection || config.layers == WantedLayers::Full ? "layers"
                       : config.medium != WantedMedium::Off                                             ? "medium"
                       : config.transients != WantedTransients::Off                                     ? "transients"
+                      : config.poses != WantedPoses::Given                                             ? "poses"
                       : config.surroundings == WantedSurroundings::Ignore                              ? "surroundings"
                                                                                                        : nullptr;
   if (other == nullptr) return {};

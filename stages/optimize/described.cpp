@@ -42,6 +42,9 @@ void describe(Describer& d, OptimizeConfig& c) {
       "transients", c.transients, {"auto", "off"},
       "auto: what one photo shows and the others contradict, such as a visitor, is found by a short training and not trained "
       "on, where no ignore masks are given; off: it is trained like everything else.");
+  d.choice("poses", c.poses, {"given", "auto"},
+           "given: as the sfm stage found them; auto: training corrects the pose of each photo, where it trains one opaque layer; "
+           "all later stages use the corrected ones.");
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
            "show through thin glass alone.");
@@ -65,7 +68,7 @@ void describe(Describer& d, OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 40,
+                 .version = 41,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},

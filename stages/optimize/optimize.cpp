@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
 #include "core/foundation/base/timer.h"
 #include "core/learn/trainer/capture.h"
 #include "core/render/picture/part_labels.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/blocks.h"
 #include "stages/optimize/initialise.h"
@@ -62,6 +65,20 @@ SplatLayer trained_twin(const TrainerSetup& layered, double from, LazyDepth& dep
   const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);
   train(layered.config, layered.capture, *trainer, part, context);
   return trainer->scene().diffuse;
+}
+
+// Held-out photos follow the scene as those that train it do. Their views get the corrected poses.
+void align_heldout(Trainer& trainer, Capture& capture) {
+  for (const uint32_t photo : capture.heldout) {
+    throw_if_interrupted();
+    trainer.align(photo);
+  }
+  for (size_t photo = 0; photo < capture.photos.size(); ++photo)
+    capture.view_set.views[photo].cam_from_world = trainer.poses().pose(photo);
+  const PoseDistance moved = trainer.poses().moved(capture.train);
+  log_info("poses: training photos turned by {:.3f} degrees, {:.3f} at most, and moved by {:.4f} scene units, {:.4f} at most",
+           moved.turn_rad * 180 / std::numbers::pi, moved.largest_turn_rad * 180 / std::numbers::pi, moved.shift,
+           moved.largest_shift);
 }
 
 void log(const Surroundings& surroundings) {
@@ -121,7 +138,10 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .layers = layers,
                            .object_alone = alone,
                            .judges = judges,
-                           .medium = medium ? medium->start : std::nullopt};
+                           .medium = medium ? medium->start : std::nullopt,
+                           .poses = config.poses == WantedPoses::Auto && !layers.any()};
+  if (config.poses == WantedPoses::Auto && layers.any())
+    context.warning("POSES_GIVEN", "poses stay as given: they are corrected where one opaque layer is trained (optimize.layers)");
   const bool scouts = finds_transients(config, targets, surroundings, capture);
   if (scouts) {
     const Transients transients = ignored_transients(setup, targets, depth, context);
@@ -138,6 +158,10 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   depth.forget();
   train(config, capture, *trainer, part, context);
   trainer->finish();
+  if (setup.poses) {
+    align_heldout(*trainer, capture);
+    write_corrected_poses(context.output(), capture.view_set.views);
+  }
 
   const std::vector<PhotoQuality> heldout = measure(*trainer, capture, targets);
   SplatScene scene = trainer->scene();

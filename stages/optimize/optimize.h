@@ -1,6 +1,7 @@
 // The optimize stage: surfels of up to three layers, trained on the photos of an sfm artifact through the image model.
 //   reads   sfm (linear/*.exr, sparse/0, gains), masks and normals when there are any
 //   writes  gaussians/{diffuse,reflection,transmittance,opaque}.ply, optimize/{views.json,report.json,previews/*.png}
+//           optimize/poses.json if the poses were corrected
 //           optimize/trained/masks/object/*.png if only a part of the scene was trained
 // An interrupted run continues from its last checkpoint and ends with the same bytes as an uninterrupted one.
 #pragma once
@@ -32,6 +33,7 @@ struct InitialConfig {
 enum class WantedSurroundings { Auto, Train, Ignore };
 enum class WantedMedium { Off, Water, Haze, Auto };
 enum class WantedTransients { Auto, Off };
+enum class WantedPoses { Given, Auto };
 
 struct OptimizeConfig {
   int iterations = 3000;
@@ -46,6 +48,7 @@ struct OptimizeConfig {
   WantedSurroundings surroundings = WantedSurroundings::Auto;
   WantedMedium medium = WantedMedium::Off;
   WantedTransients transients = WantedTransients::Off;
+  WantedPoses poses = WantedPoses::Given;
   bool fill_unseen = true;
   int blocks = 1;
   int checkpoint_every = 250;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
@@ -130,6 +132,20 @@ void add_heldout(const Capture& capture, std::span<const PhotoQuality> heldout, 
   if (!heldout.empty()) json["heldout_psnr"] = rounded(mean_psnr(heldout));
 }
 
+Json poses_json(const Capture& capture, const Trainer& trainer) {
+  Json json{{"corrected", trainer.corrects_poses()}};
+  if (!trainer.corrects_poses()) return json;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  for (const auto& [name, photos] : {std::pair{"train", &capture.train}, std::pair{"heldout", &capture.heldout}}) {
+    const PoseDistance d = trainer.poses().moved(*photos);
+    json[name] = {{"turn_deg", rounded(kDegrees * d.turn_rad)},
+                  {"largest_turn_deg", rounded(kDegrees * d.largest_turn_rad)},
+                  {"shift", rounded(d.shift)},
+                  {"largest_shift", rounded(d.largest_shift)}};
+  }
+  return json;
+}
+
 }  // namespace
 
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
@@ -153,6 +169,7 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
                                                {"added", counts.added},
                                                {"removed", counts.removed}};
   }
+  if (config.poses == WantedPoses::Auto) json["poses"] = poses_json(capture, trainer);
   if (trainer.scene().opaque.size() > 0) json["opaque_twin"] = {{"surfels", trainer.scene().opaque.size()}};
   json["epochs"] = Json::array();
   for (const EpochRecord& e : trainer.epochs())

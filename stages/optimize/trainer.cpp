@@ -16,8 +16,13 @@ namespace {
 constexpr double kInSolid = 0.1;  // largest initial opacity of surfels inside solid glass that were trained with straight rays
 constexpr double kMediumFrom = 0.15;  // of the run: before, gaps between surfels would show the medium
 constexpr double kMediumRate = 2e-3;  // largest step of the logarithm of a coefficient
-constexpr double kNoise = 0.2;        // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
-constexpr double kNoiseScale = 5e5;   // strength of the noise per unit of the position rate in that paper
+// Poses move while the picture is coarse at first and has its full size later, until the last part of the run sharpens the scene.
+// The way that a pose can go is independent of the number of steps and photos.
+constexpr double kPosesFrom = 0.3, kPosesUntil = 0.8;
+constexpr double kPoseReach = 7.5e-3;  // sum of the largest rates of a photo's visits: radians, scene radii
+constexpr double kLeastPoseRate = 1e-4, kMostPoseRate = 1e-3, kPoseDecay = 0.1;
+constexpr double kNoise = 0.2;       // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
+constexpr double kNoiseScale = 5e5;  // strength of the noise per unit of the position rate in that paper
 
 ImageOptions options_at(const PhaseClock& clock, const OptimizeConfig& c, int sh_degree) {
   return clock.image_options(c.shading, c.backend, sh_degree);
@@ -28,6 +33,18 @@ SplatScene first_scene(const TrainerSetup& setup, SplatLayer initial) {
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
     if (setup.layers.has(kind)) scene.layer(kind) = SplatLayer(kind, setup.config.phases.of(kind).sh_degree, 0);
   return scene;
+}
+
+bool poses_move(const TrainerSetup& setup, double fraction) {
+  return setup.poses && fraction >= kPosesFrom && fraction < kPosesUntil;
+}
+
+PoseRates pose_rates_at(const TrainerSetup& setup, double fraction) {
+  if (!poses_move(setup, fraction)) return {};
+  const double visits = (kPosesUntil - kPosesFrom) * setup.config.iterations / double(setup.capture.train.size());
+  const double rate = std::clamp(kPoseReach / visits, kLeastPoseRate, kMostPoseRate) *
+                      std::pow(kPoseDecay, (fraction - kPosesFrom) / (kPosesUntil - kPosesFrom));
+  return {.turn = rate, .shift = rate * kSceneRadius};
 }
 
 }  // namespace
@@ -94,6 +111,7 @@ StepPlan Trainer::plan() {
                 .glass_sends_rays = begun(LayerKind::Transmittance) && !sheets_,
                 .known_mirrors = known_gloss_.empty() ? nullptr : &known_gloss_,
                 .mirror_factor = static_cast<float>(c.phases.reflection.known_factor)};
+  plan.pose_rates = pose_rates_at(setup_, fraction());
   for (LayerKind kind : kAllLayers) plan.rates[static_cast<size_t>(kind)] = clock.rates(kind, c.rates, kSceneRadius);
   if (setup_.layers.reflection && !begun(LayerKind::Reflection))
     plan.specular_weight = static_cast<float>(c.phases.diffuse.specular_weight);
@@ -105,6 +123,7 @@ StepPlan Trainer::plan() {
 }
 
 void Trainer::end_step() {
+  if (poses_move(setup_, fraction()) && step_index() % setup_.capture.train.size() == 0) poses_.hold_mean(setup_.capture.train);
   const DensifyConfig& d = config().densify;
   if (d.strategy == DensifyStrategy::None) return;
   const double f = fraction();
@@ -255,7 +274,7 @@ void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
   options.surface.ray_budget = 0;
   options.composite.layer_images = layers;
   frame.differentiable = false;
-  model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, options, frame);
+  model_.forward(scene_, poses_.view(photo), options, frame);
 }
 
 void Trainer::transfer(Archive& archive) {
@@ -269,6 +288,7 @@ void Trainer::transfer(Archive& archive) {
   archive.value(judged_);
   shapes_.transfer(archive);
   if (medium_) medium_->transfer(archive);
+  if (setup_.poses) poses_.transfer(archive);
   bend_in_solids();
   archive.value(unseen_surfels_);
   archive.value(from_behind_glass_);

@@ -31,6 +31,7 @@ struct TrainerSetup {
   bool object_alone = false;             // (surroundings.h)
   std::span<const uint8_t> judges = {};  // [photo] validation photos of a scene with an opaque twin (outputs.h)
   std::optional<MediumStart> medium = {};
+  bool poses = false;  // corrects the poses of the photos; one opaque layer
 };
 
 class Trainer : public Training {
@@ -39,6 +40,7 @@ class Trainer : public Training {
   Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes, double background = 0);
 
   const LayerChoice& layers() const { return setup_.layers; }
+  bool corrects_poses() const { return setup_.poses; }
   size_t from_behind_glass() const { return from_behind_glass_; }  // surfels moved to the diffuse layer (plane_inpainting.h)
   size_t unseen_surfels() const { return unseen_surfels_; }        // inpainted (plane_inpainting.h), in addition to the cap
   size_t initial_surfels() const { return initial_surfels_; }      // at the start of training

@@ -9,6 +9,7 @@
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/color.h"
 #include "core/foundation/math/quantile.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/holdout.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/exr.h"
@@ -163,6 +164,12 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
   Capture capture = load_cameras(sfm_folder, holdout_every);
   read_photos(sfm_folder, max_side, capture);
   return capture;
+}
+
+void use_corrected_poses(const std::filesystem::path& optimize_folder, Capture& capture) {
+  correct_poses(optimize_folder, capture.view_set.views);
+  for (size_t i = 0; i < capture.photos.size(); ++i)
+    for (PhotoLevel& level : capture.photos[i].levels) level.view.cam_from_world = capture.view_set.views[i].cam_from_world;
 }
 
 Capture load_part(const std::filesystem::path& sfm_folder, int max_side, int holdout_every, std::span<const uint8_t> wanted) {

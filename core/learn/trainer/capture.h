@@ -34,6 +34,9 @@ struct Capture {
   size_t memory_bytes = 0;  // of the pyramids
 };
 
+// Replaces the poses by those of an optimize artifact (core/scene/camera/corrected_poses.h).
+void use_corrected_poses(const std::filesystem::path& optimize_folder, Capture& capture);
+
 // Pyramid of one photo. `linear` has the size of the view's intrinsics.
 PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side);
 // Scene-linear colour of a pixel, divided by its photo's gain.

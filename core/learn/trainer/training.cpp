@@ -21,6 +21,9 @@ constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
 // Fewer consecutive pictures without a surfel are tolerated: for example a photo of the lens cap.
 constexpr uint32_t kBlankPictures = 3;
+// Steps of align(), and how their size falls: from 0.06 degrees to 0.002.
+constexpr int kAlignSteps = 60;
+constexpr double kAlignRate = 1e-3, kAlignDecay = 0.03;
 
 LossRays loss_rays(const SecondaryRays& rays) {
   return {.first_hit = rays.values.first_hit,
@@ -37,10 +40,16 @@ const SurfelStatistics* statistics_of(const Frame& frame, LayerKind kind) {
   return rays.took_part ? &rays.statistics : nullptr;
 }
 
+std::vector<View> cameras_of(const Capture& capture) {
+  std::vector<View> views;
+  for (const PhotoPyramid& photo : capture.photos) views.push_back(photo.levels[0].view);
+  return views;
+}
+
 }  // namespace
 
 Training::Training(const TrainingDesc& desc, const ImageOptions& image, SplatScene start)
-    : scene_(std::move(start)), model_(image), desc_(desc) {
+    : scene_(std::move(start)), model_(image), poses_(cameras_of(desc.capture)), desc_(desc) {
   for (LayerKind kind : kAllLayers) layers_.emplace_back(scene_.layer(kind));
 }
 
@@ -48,7 +57,39 @@ void Training::step() {
   const StepPlan plan = this->plan();
   const std::vector<uint32_t>& photos = desc_.capture.train;
   const uint32_t photo = photo_order(photos, desc_.seed, step_ / photos.size())[step_ % photos.size()];
+  const double loss = look(plan, photo);
+  if (!std::isfinite(loss))
+    throw Error(ErrorKind::Diverged, "training broke down: the loss is not a number",
+                {.where = fmt::format("step {}, photo {}", step_, view_.name), .hint = desc_.remedy, .code = "LOSS_NOT_FINITE"});
+  if (plan.pose_rates.turn > 0) poses_.descend(photo, pose_gradient_of(plan), plan.pose_rates);
+  update(plan);
+  record(loss, l1_);
+  ++step_;
+  end_step();
+}
+
+PoseGradient Training::pose_gradient_of(const StepPlan& plan) const {
+  return pose_gradient(scene_.diffuse, grad_.diffuse, view_.cam_from_world, plan.image.diffuse.sh_degree);
+}
+
+void Training::align(uint32_t photo) {
+  const StepPlan plan = this->plan();
+  PoseTraining kept = poses_;
+  poses_.restart();
+  for (int step = 0; step < kAlignSteps; ++step) {
+    look(plan, photo);
+    const double rate = kAlignRate * std::pow(kAlignDecay, double(step) / kAlignSteps);
+    poses_.descend(photo, pose_gradient_of(plan), {.turn = rate, .shift = rate * kSceneRadius});
+  }
+  kept.set(photo, poses_.pose(photo));
+  poses_ = std::move(kept);
+}
+
+// Picture of the photo's camera, its loss and the gradient of the scene.
+double Training::look(const StepPlan& plan, uint32_t photo) {
   const PhotoLevel& level = desc_.capture.photos[photo].levels[plan.level];
+  view_ = level.view;
+  view_.cam_from_world = poses_.pose(photo);
   model_.options() = plan.image;
   for (const LossTerm& term : desc_.losses.terms())
     model_.options().diffuse.distortion |= term.factory->name == "distortion" && term.schedule.at(plan.fraction) > 0;
@@ -56,17 +97,10 @@ void Training::step() {
   decode(desc_.targets.photos[photo][plan.level], images_);
   weigh_pixels(plan.specular_weight, !plan.withheld.empty() && plan.withheld[photo] != 0);
   choose_ray_pixels(plan);
-  model_.forward(scene_, level.view, frame_);
+  model_.forward(scene_, view_, frame_);
   raise_clipped(frame_.srgb, target_);
-  const double l1 = write_error_image(), loss = learn(plan, level.view);
-  if (!std::isfinite(loss))
-    throw Error(
-        ErrorKind::Diverged, "training broke down: the loss is not a number",
-        {.where = fmt::format("step {}, photo {}", step_, level.view.name), .hint = desc_.remedy, .code = "LOSS_NOT_FINITE"});
-  update(plan);
-  record(loss, l1);
-  ++step_;
-  end_step();
+  l1_ = write_error_image();
+  return learn(plan, view_);
 }
 
 // Weight zero in the ignore mask, and around an object that is trained alone: its surroundings moved during capture. Reduced

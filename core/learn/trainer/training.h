@@ -18,6 +18,7 @@
 #include "core/learn/trainer/frozen_surfels.h"
 #include "core/learn/trainer/layer_training.h"
 #include "core/learn/trainer/medium_training.h"
+#include "core/learn/trainer/pose_training.h"
 #include "core/learn/trainer/shape_training.h"
 #include "core/learn/trainer/targets.h"
 #include "core/render/model/layered_model.h"
@@ -40,6 +41,7 @@ struct StepPlan {
   ShapeRates shape_rates = {};
   MediumTraining* medium = nullptr;  // if not null, trained at medium_rate
   double medium_rate = 0;
+  PoseRates pose_rates = {};                             // of the photo's pose; 0: it stays
   float specular_weight = 1;                             // of the picture losses on mirrors: specular, not transparent
   bool glass_sends_rays = true, coats_send_rays = true;  // the pixels of their masks send rays
   std::optional<float> glass_factor = {};                // freeze_glass
@@ -93,6 +95,10 @@ class Training {
   // Runs to the end. On interruption saves its state and throws.
   void run(const Run& run);
 
+  const PoseTraining& poses() const { return poses_; }
+  // Moves the camera of a photo, mostly one that is not trained on, to where the scene agrees with it; the scene stays.
+  void align(uint32_t photo);
+
  protected:
   virtual StepPlan plan() = 0;  // of the next step; starts the phases that are due
   virtual void end_step() = 0;  // step_index() already counts the step
@@ -103,8 +109,11 @@ class Training {
 
   SplatScene scene_;
   LayeredModel model_;
+  PoseTraining poses_;  // of all photos
 
  private:
+  double look(const StepPlan& plan, uint32_t photo);
+  PoseGradient pose_gradient_of(const StepPlan& plan) const;  // after look()
   void weigh_pixels(float specular_weight, bool withheld);
   void choose_ray_pixels(const StepPlan& plan);
   double write_error_image();
@@ -122,6 +131,8 @@ class Training {
   EpochRecord epoch_;  // running sums
   std::vector<EpochRecord> epochs_;
 
+  View view_;      // of the photo
+  double l1_ = 0;  // of its picture
   Frame frame_;
   std::vector<float> target_;  // [3,h,w] the photo, raised to the prediction where it is clipped
   TargetImages images_;
