@@ -11,6 +11,7 @@
 #include "core/foundation/config/chart.h"
 #include "core/foundation/config/yaml.h"
 #include "core/render/edit/selection_file.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/scale_bar_length.h"
 #include "core/scene/camera/view_set.h"
 #include "stages/compose/compose.h"
@@ -144,7 +145,7 @@ class Reader {
                     .refine = artifact(project, "refine"),
                     .decompose = artifact(project, "decompose")};
     part.masks = artifact(project, "masks"), part.objects = artifact(project, "objects");
-    part.views = load_view_set(part.sfm).views;
+    part.views = load_view_set(part.sfm, part.folders.optimize).views;
     if (!edited) return;
     const auto edits = artifact(project, "edit");
     if (!edits)

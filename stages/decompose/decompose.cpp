@@ -15,6 +15,7 @@
 #include "core/render/picture/decomposed_materials.h"
 #include "core/render/picture/surfel_colors.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/exr.h"
@@ -51,7 +52,7 @@ class Decomposition {
         context_(context),
         scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))),
         objects_(LabelledObjects::trusted(context.optional_input("objects"))) {
-    const ViewSet set = load_view_set(context.input("sfm"));
+    const ViewSet set = load_view_set(context.input("sfm"), context.input("optimize"));
     all_views_ = set.views;
     for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
     const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);

@@ -10,6 +10,7 @@
 #include "core/render/edit/edit_scene.h"
 #include "core/render/edit/selection.h"
 #include "core/render/raster/renderer.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/surfels/activation.h"
@@ -224,7 +225,7 @@ Json described(const std::vector<MeshComponent>& components) {
 void describe(Describer&, EditConfig&) {}
 
 void run_edit(const EditConfig&, StageContext& context) {
-  const std::vector<View> views = load_view_set(context.input("sfm")).views;
+  const std::vector<View> views = load_view_set(context.input("sfm"), context.input("optimize")).views;
   const fs::path file = context.input("edits");
   const std::vector<Edit> edits = read_edits(file, views);
   const EditFolders folders{.optimize = context.input("optimize"),

@@ -12,6 +12,7 @@
 #include "core/render/picture/confidence.h"
 #include "core/render/picture/surfel_colors.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/metrics.h"
 #include "core/scene/mesh/mesh_io.h"
@@ -43,7 +44,7 @@ class Evaluator {
       : config_(config),
         context_(context),
         sfm_(context.input("sfm")),
-        views_(load_view_set(sfm_).views),
+        views_(load_view_set(sfm_, context.input("optimize")).views),
         painter_(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
                  {.backend = config.backend, .layers = true, .samples = config.samples, .medium = true}),
         layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {

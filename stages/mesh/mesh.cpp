@@ -14,6 +14,7 @@
 #include "core/render/model/opened_scene.h"
 #include "core/render/picture/part_labels.h"
 #include "core/render/picture/trained_scene.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/mesh/clean_openmesh.h"
 #include "core/scene/mesh/mesh_io.h"
@@ -244,7 +245,7 @@ TriMesh fused_surface(size_t views, const DepthSource& frame_of, const FusionDes
 
 void run_mesh(const MeshConfig& config, StageContext& context) {
   const Timer clock;
-  const ViewSet set = load_view_set(context.input("sfm"));
+  const ViewSet set = load_view_set(context.input("sfm"), context.input("optimize"));
   const std::vector<View> views = training_views(set, context.input("optimize"));
   const TrainedScene scene = read_trained_scene(context.input("optimize"));
   const SplatLayer& layer = scene.surfels.diffuse;

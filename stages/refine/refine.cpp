@@ -55,6 +55,7 @@ Capture capture_of(const RefineConfig& config, const StageContext& context) {
                                  : split.max_side > 0 ? split.max_side
                                                       : 16384,
                                  0);
+  use_corrected_poses(optimize, capture);
   capture.train.assign(split.train.begin(), split.train.end());
   capture.heldout.assign(split.heldout.begin(), split.heldout.end());
   if (capture.train.empty())

@@ -12,6 +12,7 @@
 #include "core/foundation/config/photo_name_finder.h"
 #include "core/render/picture/picture_frames.h"
 #include "core/render/relight/relit_painter.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/contact_sheet.h"
 #include "core/scene/image/exr.h"
@@ -97,7 +98,7 @@ void check_shadows(const Lighting& lighting, const LitScene& lit, StageContext& 
 // The photo of the host that --over names, with its camera, at the size of the pictures.
 GuestDesc photo_of_host(const RelightConfig& config, const StageContext& context) {
   const fs::path sfm = context.input("sfm"), list = context.input("optimize") / "optimize" / "views.json";
-  const std::vector<View> views = load_view_set(sfm).views;
+  const std::vector<View> views = load_view_set(sfm, context.input("optimize")).views;
   std::vector<std::string> names;
   for (const View& v : views) names.push_back(v.name);
   const auto found = PhotoNameFinder(names).match(config.over).photo;

@@ -7,6 +7,7 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/math/color.h"
 #include "core/render/relight/relit_painter.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/scene_info.h"
 #include "core/scene/camera/view.h"
 #include "core/scene/camera/view_set.h"
@@ -48,7 +49,7 @@ Scene read_scene(const StageContext& context) {
   const fs::path sfm = context.input("sfm"), optimize = context.input("optimize");
   const auto refine = context.optional_input("refine"), mesh = context.optional_input("mesh"),
              decompose = context.optional_input("decompose");
-  s.views = s.photos = load_view_set(sfm).views;
+  s.views = s.photos = load_view_set(sfm, optimize).views;
   const ViewSplit split = read_view_split(optimize / "optimize/views.json", s.views);
   s.heldout.assign(s.views.size(), false);
   for (const size_t i : split.heldout) s.heldout[i] = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/foundation/base/error.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/transforms_file.h"
 #include "core/scene/camera/view_set.h"
 
@@ -11,7 +12,7 @@ namespace vitrine {
 namespace {
 
 std::vector<View> photo_views(const PictureViewsDesc& desc) {
-  const std::vector<View> all = load_view_set(desc.sfm).views;
+  const std::vector<View> all = load_view_set(desc.sfm, desc.optimize).views;
   const std::filesystem::path list = desc.optimize / "optimize" / "views.json";
   const ViewSplit split = read_view_split(list, all);
   std::vector<size_t> chosen;

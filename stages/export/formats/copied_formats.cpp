@@ -3,11 +3,25 @@
 #include "core/foundation/base/file.h"
 #include "core/render/picture/decomposed_materials.h"
 #include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "stages/export/formats/source.h"
 
 namespace vitrine {
 
 namespace {
+
+// The sparse model of the sfm stage with the poses that training corrected.
+ColmapModel corrected_model(const fs::path& sparse, const fs::path& optimize) {
+  ColmapModel model = read_colmap_model(sparse, ColmapFormat::Binary);
+  std::vector<View> views;
+  for (const ColmapImage& image : model.images) views.push_back({.name = image.name, .cam_from_world = image.cam_from_world()});
+  correct_poses(optimize, views);
+  for (size_t i = 0; i < views.size(); ++i) {
+    model.images[i].rotation = quaternion(views[i].cam_from_world.rotation);
+    model.images[i].translation = views[i].cam_from_world.translation;
+  }
+  return model;
+}
 
 // colmap: undistorted photos and the sparse model in COLMAP layout: images/ and sparse/0/ (binary and text). The frame is the
 // scene's (up = +z, ring radius 1); scene.json contains the inverse transform.
@@ -23,9 +37,18 @@ std::vector<std::string> write_colmap(ExportSource& source, const fs::path& fold
   };
   for (const ColmapImage& image : read_colmap_model(sparse, ColmapFormat::Binary).images)
     copy(source.sfm() / "images" / image.name, "images/" + image.name);
+  const bool corrected = has_corrected_poses(source.optimize());
   for (const char* part : {"cameras", "images", "points3D"})
-    for (const char* extension : {".bin", ".txt"})
-      copy(sparse / (std::string(part) + extension), std::string("sparse/0/") + part + extension);
+    for (const char* extension : {".bin", ".txt"}) {
+      const std::string name = std::string("sparse/0/") + part + extension;
+      if (corrected)
+        files.push_back("colmap/" + name);
+      else
+        copy(sparse / (std::string(part) + extension), name);
+    }
+  if (corrected)
+    for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text})
+      write_colmap_model(folder / "colmap" / "sparse" / "0", corrected_model(sparse, source.optimize()), format);
   copy(source.sfm() / "scene.json", "scene.json");
   return files;
 }

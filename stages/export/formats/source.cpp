@@ -8,6 +8,7 @@
 #include "core/render/model/opened_scene.h"
 #include "core/render/picture/confidence.h"
 #include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/corrected_poses.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "core/scene/mesh/mesh_topology.h"
@@ -207,7 +208,7 @@ std::span<const float> ExportSource::confidence() {
   confidence_.emplace();
   const auto list = inputs_.optimize / "optimize" / "views.json";
   if (!std::filesystem::exists(list)) return *confidence_;
-  const std::vector<View> views = load_view_set(inputs_.sfm).views;
+  const std::vector<View> views = load_view_set(inputs_.sfm, inputs_.optimize).views;
   const ViewSplit split = read_view_split(list, views);
   const std::vector<View> training = at_trained_size(views, split.train, split);
   for (const View& v : training)

@@ -68,6 +68,7 @@ class ExportSource {
  public:
   ExportSource(ExportInputs inputs, ExportSettings settings) : inputs_(std::move(inputs)), settings_(std::move(settings)) {}
   const std::filesystem::path& sfm() const { return inputs_.sfm; }
+  const std::filesystem::path& optimize() const { return inputs_.optimize; }
   const std::optional<std::filesystem::path>& decompose() const { return inputs_.decompose; }
 
   ExportFrame frame() { return frame(settings_.axes); }                 // of the settings
