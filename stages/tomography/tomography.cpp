@@ -5,13 +5,11 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
-#include "core/render/volume/density_grid.h"
 #include "core/scene/mesh/mesh_io.h"
 #include "stages/page_text.h"
-#include "stages/tomography/filtered_backprojection.h"
 #include "stages/tomography/page_volume.h"
 #include "stages/tomography/scan_file.h"
-#include "stages/tomography/volume_fit.h"
+#include "stages/tomography/voxel_fit.h"
 
 namespace vitrine {
 
@@ -21,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kWidestBeam = 0.95;  // sine of half the opening angle: beyond, the source stands next to the volume
 constexpr double kCutOff = 0.05;      // absorption at the left or right border over the largest: the object leaves the picture
-constexpr size_t kBytesPerGaussian = 400;
+constexpr size_t kBytesPerPixel = 8;  // of all projections: the line integrals, those of the result
 
 void check_source(const ScanFile& scan) {
   const ScanGeometry& g = scan.geometry;
@@ -80,12 +78,14 @@ Residual residual(std::span<const ImageF> projections, std::span<const ImageF> f
   return out;
 }
 
-void check_memory(size_t gaussians, const ScanGeometry& g, StageContext& context) {
-  const size_t needed = gaussians * kBytesPerGaussian + g.angles.size() * size_t(g.width) * size_t(g.height) * 30;
+void check_memory(const VoxelGrid<float>& volume, const ScanGeometry& g, StageContext& context) {
+  const size_t pixels = g.angles.size() * size_t(g.width) * size_t(g.height);
+  const size_t needed = voxel_fit_bytes(volume) + kBytesPerPixel * pixels;
   if (context.max_memory_bytes() == 0 || needed <= context.max_memory_bytes()) return;
   throw Error(ErrorKind::Resource, "the volume needs more memory than --max-memory",
-              {.why = fmt::format("{} MiB for {} Gaussians", needed >> 20, gaussians),
-               .hint = "--set voxels=..., or a larger spacing",
+              {.why = fmt::format("{} MiB for {} x {} x {} voxels and {} projections", needed >> 20, volume.size[0],
+                                  volume.size[1], volume.size[2], g.angles.size()),
+               .hint = "--set voxels=... with fewer voxels",
                .code = "MEMORY"});
 }
 
@@ -93,8 +93,7 @@ void check_memory(size_t gaussians, const ScanGeometry& g, StageContext& context
 
 void describe(Describer& d, TomographyConfig& c) {
   d.option("voxels", c.voxels, "Cells along x and y of the volume; 0 = two thirds of the width of a projection.").range(0, 2048);
-  d.option("spacing", c.spacing, "Distance of the Gaussians at the start, in voxels.").range(0.5, 8);
-  d.option("iterations", c.iterations, "Projections that are fitted, one a step.").range(1, 1000000);
+  d.option("rounds", c.rounds, "How often every projection is fitted.").range(1, 1000);
   d.option("tv", c.tv, "Weight of the total variation of the density: more makes it smoother inside surfaces.").range(0, 100);
   d.option("iso", c.iso, "Density of the surface, 1 / unit of length; 0 = between the two most different classes.")
       .range(0, 1e12);
@@ -107,23 +106,15 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
   check_source(scan);
   warn_of_cut_objects(projections, context);
   VoxelGrid<float> volume = seen_grid(g, config.voxels > 0 ? config.voxels : std::max(4, 2 * g.width / 3));
-  context.progress({.fraction = 0, .text = "filtered backprojection", .values = {}});
-  filtered_backprojection(g, projections, volume);
-  std::vector<Gaussian3f> gaussians = gaussians_of(volume, config.spacing);
-  if (gaussians.empty())
-    throw Error(ErrorKind::Input, "the filtered backprojection is empty",
-                {.where = scan.where, .hint = "check the angles, and flat and dark", .code = "EMPTY_SCAN"});
-  check_memory(gaussians.size(), g, context);
-  const VolumeFitDesc desc{.iterations = config.iterations, .spacing = config.spacing, .tv = config.tv};
-  gaussians = fit_volume(g, projections, volume, std::move(gaussians), desc, [&](const FitStep& s) {
-    context.progress({.fraction = 0.95 * s.step / config.iterations,
-                      .text = fmt::format("step {}/{}  error {:.4f}", s.step, config.iterations, s.error),
-                      .values = {{"step", double(s.step)}, {"error", s.error}}});
+  check_memory(volume, g, context);
+  fit_voxels(g, projections, volume, {.rounds = config.rounds, .tv = config.tv}, [&](const FitRound& r) {
+    context.progress({.fraction = 0.95 * r.round / config.rounds,
+                      .text = fmt::format("round {}/{}  error {:.4f}", r.round, config.rounds, r.error),
+                      .values = {{"round", double(r.round)}, {"error", r.error}}});
   });
-  sample_density(gaussians, volume);
   const double iso = config.iso > 0 ? config.iso : otsu_threshold(volume);
   const TriMesh surface = density_surface(volume, iso);
-  const Residual left = residual(projections, projected(g, gaussians));
+  const Residual left = residual(projections, projected(g, volume));
   const fs::path out = context.output() / "ct";
   make_folders(out);
   write_nrrd(out / "volume.nrrd", volume, g.unit);
@@ -137,8 +128,7 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
                     {"size", {volume.size[0], volume.size[1], volume.size[2]}},
                     {"voxel", volume.cell},
                     {"unit", g.unit},
-                    {"gaussians", gaussians.size()},
-                    {"iterations", config.iterations},
+                    {"rounds", config.rounds},
                     {"residual",
                      {{"rms", left.rms},
                       {"of_projections", left.of_projections},
@@ -146,7 +136,6 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
                     {"iso", iso},
                     {"faces", surface.faces.size()}};
   write_file(out / "report.json", readable(report));
-  context.metric("gaussians", double(gaussians.size()));
   context.metric("residual", left.of_projections);
   context.summary(fmt::format("{} x {} x {} voxels of {:.4g} {}, {:.1f} % of the projections unexplained", volume.size[0],
                               volume.size[1], volume.size[2], volume.cell, g.unit, 100 * left.of_projections));
@@ -155,7 +144,7 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
 Stage tomography_stage() {
   StageInfo info{.name = "tomography",
                  .version = 1,
-                 .summary = "X-ray projections of an object, as a volume of 3D Gaussians",
+                 .summary = "X-ray projections of an object, as a volume of voxels",
                  .inputs = {{.name = "scan",
                              .artifact = false,
                              .doc = "Geometry, angles and pictures of the scan: a YAML file.",

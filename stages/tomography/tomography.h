@@ -1,4 +1,4 @@
-// tomography: X-ray projections of an object, as a volume of 3D Gaussians. Started by `vitrine ct`; not part of the graph of
+// tomography: X-ray projections of an object, as a volume of voxels. Started by `vitrine ct`; not part of the graph of
 // `vitrine run`.
 //   reads   scan: a YAML file (README.md) that names the projections (scan_pictures: these enter the key)
 //   writes  ct/volume.nrrd, ct/slices/*.exr, ct/surface.ply, ct/*.png, ct/report.json
@@ -12,9 +12,8 @@ namespace vitrine {
 
 struct TomographyConfig {
   int voxels = 0;
-  double spacing = 1.5;
-  int iterations = 1000;
-  double tv = 0.05;
+  int rounds = 5;
+  double tv = 0.015;
   double iso = 0;
 };
 void describe(Describer& d, TomographyConfig& c);

@@ -42,8 +42,7 @@ class CtCommand : public testing::Test {
   }
   static std::string usual() { return std::string(kCone) + "projections: views\nflat: flat.png\ndark: dark.png\n"; }
   int ct(const fs::path& file) const {
-    return ct_command(
-        {file.string(), "-o", at("out").string(), "--quiet", "--no-progress", "--set", "iterations=240", "--set", "voxels=14"});
+    return ct_command({file.string(), "-o", at("out").string(), "--quiet", "--no-progress", "--set", "voxels=14"});
   }
   // Error of reading the scan, its pictures included.
   std::string refusal(const std::string& text) const {

@@ -72,22 +72,32 @@ inline ScanGeometry parallel_scan(int views, int pixels) {
   return g;
 }
 
-// Means of 2 x 2 rays a pixel. `noise`: standard deviation that is added.
-inline std::vector<ImageF> scanned(const ScanGeometry& g, const Phantom& phantom, double noise = 0) {
+// Means of 2 x 2 rays a pixel.
+inline std::vector<ImageF> scanned(const ScanGeometry& g, const Phantom& phantom) {
   ScanGeometry fine = g;
   fine.width *= 2, fine.height *= 2, fine.pixel_size /= 2;
   std::vector<ImageF> out;
   for (const double angle : g.angles) {
     const std::vector<VolumeRay> rays = scan_rays(fine, angle);
     ImageF& image = out.emplace_back(g.width, g.height, 1);
-    Rng rng(7, out.size());
     for (size_t i = 0; i < rays.size(); ++i) {
       const int x = int(i % size_t(fine.width)) / 2, y = int(i / size_t(fine.width)) / 2;
       image.at(x, y) += float(0.25 * line_integral(phantom, rays[i]));
     }
-    for (float& v : image.data()) v += float(noise) * rng.normal();
   }
   return out;
+}
+
+// As a detector sees them that counts `photons` where nothing absorbs, normal noise for Poisson's; 0: without noise.
+inline std::vector<ImageF> counted(std::vector<ImageF> projections, double photons) {
+  Rng rng(11, 5);
+  for (ImageF& image : projections)
+    for (float& v : image.data()) {
+      if (!(photons > 0)) continue;
+      const double expected = photons * std::exp(-double(v)), count = expected + std::sqrt(expected) * double(rng.normal());
+      v = float(-std::log(std::max(count, 0.5) / photons));
+    }
+  return projections;
 }
 
 // Means of 3^3 points a cell.

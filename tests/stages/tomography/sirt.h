@@ -1,4 +1,4 @@
-// Simultaneous iterative reconstruction (Gilbert 1972) of a grid of voxels, the usual iterative method that the Gaussians are
+// Simultaneous iterative reconstruction (Gilbert 1972) of a grid of voxels, the usual iterative method that the fit is
 // compared with: x <- max(0, x + C A' R (b - A x)), A = trilinear samples a cell apart, R and C inverse sums of rows and columns.
 #pragma once
 
@@ -6,7 +6,8 @@
 #include <span>
 
 #include "core/foundation/base/parallel.h"
-#include "stages/tomography/filtered_backprojection.h"
+#include "core/scene/image/image.h"
+#include "stages/tomography/scan_geometry.h"
 
 namespace vitrine::test {
 

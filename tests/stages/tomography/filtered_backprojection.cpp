@@ -1,4 +1,4 @@
-#include "stages/tomography/filtered_backprojection.h"
+#include "tests/stages/tomography/filtered_backprojection.h"
 
 #include <algorithm>
 #include <complex>
@@ -7,8 +7,9 @@
 
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/math/median.h"
+#include "stages/tomography/voxel_fit.h"
 
-namespace vitrine {
+namespace vitrine::test {
 
 namespace {
 
@@ -74,19 +75,6 @@ ImageF filtered(const ScanGeometry& g, const ImageF& projection, const RampFilte
   return out;
 }
 
-// Bilinear, 0 beyond the border pixels' middles by more than a pixel.
-double sampled(const ImageF& image, double px, double py) {
-  const double fx = std::floor(px - 0.5), fy = std::floor(py - 0.5), tx = px - 0.5 - fx, ty = py - 0.5 - fy;
-  if (!(fx >= -1 && fy >= -1 && fx < image.width() && fy < image.height())) return 0;
-  double sum = 0;
-  for (int k = 0; k < 4; ++k) {
-    const int x = int(fx) + k % 2, y = int(fy) + k / 2;
-    if (x >= 0 && y >= 0 && x < image.width() && y < image.height())
-      sum += (k % 2 ? tx : 1 - tx) * (k / 2 ? ty : 1 - ty) * double(image.at(x, y));
-  }
-  return sum;
-}
-
 }  // namespace
 
 std::vector<double> angle_weights(const ScanGeometry& g) {
@@ -121,10 +109,10 @@ void filtered_backprojection(const ScanGeometry& g, std::span<const ImageF> proj
     double sum = 0;
     for (size_t i = 0; i < rows.size(); ++i) {
       const DetectorPoint d = detector_point(g, g.angles[i], point);
-      if (d.depth > 0) sum += weights[i] / (d.depth * d.depth) * sampled(rows[i], d.x, d.y);
+      if (d.depth > 0) sum += weights[i] / (d.depth * d.depth) * bilinear(rows[i], d.x, d.y);
     }
     grid.values[grid.index(x, y, z)] = float(sum);
   });
 }
 
-}  // namespace vitrine
+}  // namespace vitrine::test

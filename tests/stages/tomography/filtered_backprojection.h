@@ -1,5 +1,5 @@
-// Filtered backprojection: parallel beams by the ramp filter, cone beams by Feldkamp, Davis and Kress (1984). The start of the
-// Gaussians, and the picture that they are compared with.
+// Filtered backprojection: parallel beams by the ramp filter, cone beams by Feldkamp, Davis and Kress (1984). What the
+// fit is compared with.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 #include "core/scene/image/image.h"
 #include "stages/tomography/scan_geometry.h"
 
-namespace vitrine {
+namespace vitrine::test {
 
 // Radians that each angle stands for: half the way to its neighbours, at most twice the median; their sum is pi (parallel beams,
 // where opposite views are the same) or 2 pi (cone beams).
@@ -17,4 +17,4 @@ std::vector<double> angle_weights(const ScanGeometry& g);
 // the angles. Negative values stay.
 void filtered_backprojection(const ScanGeometry& g, std::span<const ImageF> projections, VoxelGrid<float>& grid);
 
-}  // namespace vitrine
+}  // namespace vitrine::test
