@@ -58,15 +58,4 @@ T density_at(const Whitened<T>& w, const Vec3<T>& mean, const Vec3<T>& x) {
   return w.density * exp(T(-0.5) * squared_length(w.matrix * (x - mean)));
 }
 
-template <class T>
-void density_at_vjp(const Whitened<T>& w, const Vec3<T>& mean, const Vec3<T>& x, const T& g, WhitenedGradient<T>& grad) {
-  using std::exp;
-  const Vec3<T> r = x - mean, q = w.matrix * r;
-  const T value = g * w.density * exp(T(-0.5) * squared_length(q));
-  const Vec3<T> of_q = -value * q;
-  grad.offset += of_q;
-  for (size_t j = 0; j < 3; ++j) grad.matrix.column(j) += r[j] * of_q;
-  grad.log_density = grad.log_density + value;
-}
-
 }  // namespace vitrine
