@@ -21,11 +21,11 @@ struct Ceiling {
   const char* folder;
   size_t lines, private_words;
 };
-constexpr Ceiling kCeilings[] = {{"core/foundation", 5800, 0}, {"core/scene", 14900, 3},  {"core/intake", 10450, 36},
-                                 {"core/observe", 5700, 0},    {"core/render", 15100, 0}, {"core/learn", 3900, 0},
-                                 {"stages", 35900, 35},        {"pipeline", 8900, 0}};
+constexpr Ceiling kCeilings[] = {{"core/foundation", 5850, 0}, {"core/scene", 15000, 3},  {"core/intake", 10450, 36},
+                                 {"core/observe", 5700, 0},    {"core/render", 17500, 0}, {"core/learn", 4150, 0},
+                                 {"stages", 37250, 35},        {"pipeline", 9000, 0}};
 constexpr size_t kSmallFileLines = 40;
-constexpr size_t kMostSmallFiles = 126, kMostConstants = 1435, kMostQuestionHeaders = 0;
+constexpr size_t kMostSmallFiles = 128, kMostConstants = 1461, kMostQuestionHeaders = 0;
 
 // Standard terms for them stand in the glossary of core/README.md.
 constexpr std::array<std::string_view, 22> kPrivateWords{
