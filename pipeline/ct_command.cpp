@@ -40,9 +40,10 @@ void keep_volume(const fs::path& project, const ToolResult& result) {
 int ct_command(const Words& words) {
   ToolOptions how;
   std::string output;
-  CommandLine cli("vitrine ct", "SCAN.yaml -o DIR [options]",
-                  "A volume from X-ray projections (parallel or cone beam): slices as EXR, a NRRD file, the surface as PLY. "
-                  "SCAN.yaml describes geometry, angles and pictures; stages/tomography/README.md shows the format.");
+  CommandLine cli(
+      "vitrine ct", "SCAN.yaml -o DIR [options]",
+      "A volume from X-ray projections (parallel or cone beam): slices as EXR, a NRRD file, the surface as PLY, and "
+      "a page that shows them. SCAN.yaml describes geometry, angles and pictures; stages/tomography/README.md shows the format.");
   cli.value("output", 'o', "DIR", output, "Output folder: missing, empty, or of an earlier vitrine ct.");
   add_set_option(cli, how, kCtTool);
   add_usual_options(cli, how, "Files do");
