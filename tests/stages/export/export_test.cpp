@@ -24,10 +24,9 @@
 namespace vitrine {
 namespace {
 
-using test::RecordingContext;
-
 using test::FloatPly;
 using test::parsed_ply;
+using test::RecordingContext;
 
 SplatLayer random_layer(int sh_degree, size_t n) {
   SplatLayer layer(LayerKind::Diffuse, sh_degree, n);
@@ -274,26 +273,6 @@ TEST(DisplayColor, DoesNotBlowUpHighlightsOfBlackSurfels) {
   const float shown = 0.5f + basis[0] * sh[0] + basis[2] * sh[6];
   const float exact = srgb_from_linear(0.0005f + 0.0488603f);
   EXPECT_NEAR(shown, exact, 0.15f);  // the tangent at the DC would show 0.64 instead of 0.25
-}
-
-TEST_F(ExportStage, ColmapCopyReadsAsTheSameModel) {
-  RecordingContext c = context();
-  run_export({.formats = {"colmap"}}, c);
-  const fs::path out = c.output() / "export/colmap";
-  for (const ColmapImage& image : model_.images) EXPECT_EQ(read_file(out / "images" / image.name), "photo " + image.name);
-  // Independent of our reader: u64 count, then u32 id, i32 model, u64 width, u64 height of the first camera.
-  const std::string bytes = read_file(out / "sparse/0/cameras.bin");
-  uint64_t count = 0, width = 0;
-  uint32_t id = 0;
-  std::memcpy(&count, bytes.data(), 8);
-  std::memcpy(&id, bytes.data() + 8, 4);
-  std::memcpy(&width, bytes.data() + 16, 8);
-  EXPECT_EQ(count, 3u);
-  EXPECT_EQ(id, 1u);
-  EXPECT_EQ(width, 640u);
-  for (const char* part : {"cameras.txt", "images.txt", "points3D.txt", "images.bin", "points3D.bin"})
-    EXPECT_TRUE(fs::exists(out / "sparse/0" / part)) << part;
-  EXPECT_TRUE(fs::exists(out / "scene.json"));
 }
 
 TEST_F(ExportStage, MeshFilesHoldTheSameTriangles) {
