@@ -13,7 +13,8 @@
 #if defined(__SANITIZE_ADDRESS__)
 #include <sanitizer/asan_interface.h>
 // The largest single allocation that a small file may cause: a photo of 2^24 pixels in its widest form, and room.
-extern "C" const char* __asan_default_options() { return "max_allocation_size_mb=1500"; }
+// The library of the sanitizer finds only visible symbols.
+extern "C" __attribute__((visibility("default"))) const char* __asan_default_options() { return "max_allocation_size_mb=1500"; }
 #endif
 
 namespace vitrine {

@@ -9,8 +9,11 @@
 
 #include "core/scene/image/image.h"
 
-// x265 keeps tables of its encoders until the process ends. LeakSanitizer reads this list.
-extern "C" __attribute__((used, weak)) const char* __lsan_default_suppressions() { return "leak:libx265.so\n"; }
+// x265 keeps tables of its encoders until the process ends. LeakSanitizer reads this list; its library finds only visible
+// symbols.
+extern "C" __attribute__((used, weak, visibility("default"))) const char* __lsan_default_suppressions() {
+  return "leak:libx265.so\n";
+}
 
 namespace vitrine::test {
 
