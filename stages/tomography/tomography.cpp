@@ -107,8 +107,9 @@ void run_tomography(const TomographyConfig& config, StageContext& context) {
   warn_of_cut_objects(projections, context);
   VoxelGrid<float> volume = seen_grid(g, config.voxels > 0 ? config.voxels : std::max(4, 2 * g.width / 3));
   check_memory(volume, g, context);
-  fit_voxels(g, projections, volume, {.rounds = config.rounds, .tv = config.tv}, [&](const FitRound& r) {
-    context.progress({.fraction = 0.95 * r.round / config.rounds,
+  const VoxelFitDesc fit{.rounds = config.rounds, .tv = config.tv, .checkpoint = context.scratch() / "fit.checkpoint"};
+  fit_voxels(g, projections, volume, fit, [&](const FitRound& r) {
+    context.progress({.fraction = 0.95 * (r.round - 1 + r.share) / config.rounds,
                       .text = fmt::format("round {}/{}  error {:.4f}", r.round, config.rounds, r.error),
                       .values = {{"round", double(r.round)}, {"error", r.error}}});
   });

@@ -17,6 +17,8 @@ class TotalVariation {
   // About the grid of least |new - old|^2 / 2 + weight TV(new), of at least 0. A flat jump between large regions shrinks by
   // `weight` times their border over their volume. Same bytes for any number of threads.
   void reduce(VoxelGrid<float>& grid, float weight);
+  // What calls remember.
+  std::array<std::vector<float>, 3>& dual() { return dual_; }
 
  private:
   std::array<std::vector<float>, 3> dual_;  // along x, y, z

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
+#include "core/foundation/base/checkpoint.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/math/quantile.h"
@@ -87,37 +91,88 @@ std::vector<size_t> spread_order(size_t count) {
   return order;
 }
 
+// The place that a fit has reached.
+struct FitPlace {
+  int32_t round = 0;
+  uint64_t first = 0;  // in the order of projections, the next one
+  double squares = 0;  // of this round's differences
+};
+
+// Place, densities and the memory of the smoother as bytes.
+template <class Move>
+void move_state(FitPlace& place, VoxelGrid<float>& grid, TotalVariation& smoother, Move&& move) {
+  move(&place.round, sizeof place.round), move(&place.first, sizeof place.first), move(&place.squares, sizeof place.squares);
+  move(grid.values.data(), grid.values.size() * sizeof(float));
+  for (std::vector<float>& d : smoother.dual()) move(d.data(), d.size() * sizeof(float));
+}
+void save(const fs::path& file, FitPlace place, VoxelGrid<float>& grid, TotalVariation& smoother) {
+  std::string state;
+  move_state(place, grid, smoother, [&](void* data, size_t size) { state.append(static_cast<const char*>(data), size); });
+  write_checkpoint(file, state);
+}
+// The beginning without a file. A damaged one is logged and not used.
+FitPlace restored(const fs::path& file, VoxelGrid<float>& grid, TotalVariation& smoother) {
+  FitPlace place;
+  try {
+    const std::optional<std::string> state = read_checkpoint(file);
+    if (!state) return place;
+    size_t at = 0;
+    move_state(place, grid, smoother, [&](void*, size_t size) { at += size; });
+    if (at != state->size()) return place;  // of another grid: the key of the artifact excludes it
+    at = 0;
+    move_state(place, grid, smoother, [&](void* data, size_t size) { std::memcpy(data, &(*state)[at], size), at += size; });
+    log_info("the fit goes on in round {}", place.round + 1);
+  } catch (const Error& error) {
+    log_info("{}", error.what());
+  }
+  return place;
+}
+
+// Adds what the rays of `views` lack; returns the sum of the squares of their differences before.
+double fit_step(const ScanGeometry& g, std::span<const ImageF> projections, std::span<const size_t> views, float step,
+                VoxelGrid<float>& grid) {
+  double squares = 0;
+  std::vector<ImageF> missing;
+  for (const size_t v : views) missing.push_back(missing_density(g, g.angles[v], projections[v], grid, squares));
+  const float share = step / float(views.size());
+  grid.each([&](int x, int y, int z) {
+    double sum = 0;
+    for (size_t i = 0; i < views.size(); ++i) {
+      const DetectorPoint d = detector_point(g, g.angles[views[i]], grid.centre(x, y, z));
+      if (d.depth > 0) sum += bilinear(missing[i], d.x, d.y);
+    }
+    float& value = grid.values[grid.index(x, y, z)];
+    value = std::max(0.f, value + share * float(sum));
+  });
+  return squares;
+}
+
 }  // namespace
 
 void fit_voxels(const ScanGeometry& g, std::span<const ImageF> projections, VoxelGrid<float>& grid, const VoxelFitDesc& desc,
                 const std::function<void(const FitRound&)>& progress) {
   grid.values.assign(grid.count(), 0.f);
   TotalVariation smoother(grid);
+  FitPlace place;
+  if (!desc.checkpoint.empty()) place = restored(desc.checkpoint, grid, smoother);
   const std::vector<size_t> order = spread_order(projections.size());
   const size_t each = (order.size() + kSteps - 1) / kSteps;
-  for (int round = 0; round < desc.rounds; ++round) {
-    const float step = float(std::pow(kLastStep, double(round) / desc.rounds));
-    double squares = 0;
-    for (size_t first = 0; first < order.size(); first += each) {
+  for (; place.round < desc.rounds;) {
+    const float step = float(std::pow(kLastStep, double(place.round) / desc.rounds));
+    while (place.first < order.size()) {
+      if (interrupt_signal() != 0 && !desc.checkpoint.empty()) save(desc.checkpoint, place, grid, smoother);
       throw_if_interrupted();
-      const std::span<const size_t> views = std::span(order).subspan(first, std::min(each, order.size() - first));
-      std::vector<ImageF> missing;
-      for (const size_t v : views) missing.push_back(missing_density(g, g.angles[v], projections[v], grid, squares));
-      const float share = step / float(views.size());
-      grid.each([&](int x, int y, int z) {
-        double sum = 0;
-        for (size_t i = 0; i < views.size(); ++i) {
-          const DetectorPoint d = detector_point(g, g.angles[views[i]], grid.centre(x, y, z));
-          if (d.depth > 0) sum += bilinear(missing[i], d.x, d.y);
-        }
-        float& value = grid.values[grid.index(x, y, z)];
-        value = std::max(0.f, value + share * float(sum));
-      });
+      const size_t count = std::min(each, order.size() - place.first);
+      place.squares += fit_step(g, projections, std::span(order).subspan(place.first, count), step, grid);
+      place.first += count;
+      const double pixels = double(place.first) * double(g.width) * double(g.height);
+      if (progress) progress({place.round + 1, double(place.first) / double(order.size()), std::sqrt(place.squares / pixels)});
     }
     std::vector<float> values = grid.values;
     const float dense = quantile_of(values, kDenseShare);
     if (desc.tv > 0 && dense > 0) smoother.reduce(grid, float(desc.tv) * step * dense);
-    if (progress) progress({round + 1, std::sqrt(squares / (double(projections.size()) * double(g.width) * double(g.height)))});
+    place = {.round = place.round + 1};
+    if (!desc.checkpoint.empty() && place.round < desc.rounds) save(desc.checkpoint, place, grid, smoother);
   }
 }
 

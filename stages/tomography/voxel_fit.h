@@ -2,6 +2,7 @@
 // ordered subsets: Hudson and Larkin 1994), and after each round a step towards smaller total variation.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <span>
 
@@ -13,14 +14,18 @@ namespace vitrine {
 struct VoxelFitDesc {
   int rounds = 5;     // each fits every projection once; their steps fall to a tenth
   double tv = 0.015;  // weight of the total variation: the jump that the first round removes, as a share of the dense voxels
+  std::filesystem::path checkpoint =
+      {};  // written after each round and on an interrupt; where it exists, the fit goes on from it
 };
 
 struct FitRound {
-  int round = 0;
-  double error = 0;  // root mean square of the projections' differences before their steps, line integrals
+  int round = 0;     // from 1
+  double share = 0;  // of its projections that are fitted
+  double error = 0;  // root mean square of their differences before their steps, line integrals
 };
 
-// Overwrites the values of `grid` with densities of at least 0, 1 / unit of length. Same bytes for any number of threads.
+// Overwrites the values of `grid` with densities of at least 0, 1 / unit of length. `progress` after each step. Same bytes for
+// any number of threads and of interruptions.
 void fit_voxels(const ScanGeometry& g, std::span<const ImageF> projections, VoxelGrid<float>& grid, const VoxelFitDesc& desc,
                 const std::function<void(const FitRound&)>& progress = {});
 

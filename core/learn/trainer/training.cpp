@@ -7,7 +7,7 @@
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/learn/trainer/checkpoint.h"
+#include "core/foundation/base/checkpoint.h"
 #include "core/learn/trainer/frozen_surfels.h"
 
 namespace vitrine {

@@ -113,7 +113,9 @@ TEST(VoxelFit, IsNearerToTheTruthThanBackprojectionAndSirt) {
     const VoxelGrid<float> expected = test::truth(test::head(), fitted);
     test::filtered_backprojection(g, projections, backprojected);
     std::vector<double> errors;
-    fit_voxels(g, projections, fitted, {}, [&](const FitRound& r) { errors.push_back(r.error); });
+    fit_voxels(g, projections, fitted, {}, [&](const FitRound& r) {
+      if (r.share == 1) errors.push_back(r.error);
+    });
     test::sirt(g, projections, int(errors.size()), sirt);
     const double ours = test::psnr(fitted, expected);
     EXPECT_GT(ours, test::psnr(backprojected, expected) + 3) << photons;
@@ -141,6 +143,35 @@ TEST(VoxelFit, SameBytesForAnyNumberOfThreads) {
   }
   set_thread_limit(0);
   EXPECT_TRUE(volumes[0] == volumes[1]);
+}
+
+// Stopped in its first round, where nothing is saved yet, and in later ones; with a damaged file it begins again.
+TEST(VoxelFit, GoesOnWhereItWasStopped) {
+  struct Stopped {};
+  const ScanGeometry g = test::cone_scan(45, 20);  // two projections a step
+  const std::vector<ImageF> projections = test::scanned(g, ball());
+  const TemporaryFolder folder;
+  VoxelFitDesc desc{.rounds = 3};
+  VoxelGrid<float> whole = unit_grid(10), volume = whole;
+  fit_voxels(g, projections, whole, desc);
+  desc.checkpoint = folder.path() / "fit.checkpoint";
+  std::vector<int> begun;
+  for (const auto& [round, share] : {std::pair{1, 0.4}, {1, 1.}, {2, 0.3}, {3, 0.9}}) {
+    bool first = true;
+    EXPECT_THROW(fit_voxels(g, projections, volume, desc,
+                            [&](const FitRound& r) {
+                              if (std::exchange(first, false)) begun.push_back(r.round);
+                              if (r.round == round && r.share >= share) throw Stopped{};
+                            }),
+                 Stopped);
+  }
+  EXPECT_EQ(begun, (std::vector{1, 1, 1, 2}));
+  fit_voxels(g, projections, volume, desc, [&](const FitRound& r) { begun.push_back(r.round); });
+  EXPECT_EQ(begun[4], 3);
+  EXPECT_TRUE(volume.values == whole.values);
+  write_file(desc.checkpoint, read_file(desc.checkpoint) + "x");
+  fit_voxels(g, projections, volume, desc);
+  EXPECT_TRUE(volume.values == whole.values);
 }
 
 TEST(VolumeOutputs, TheSurfaceOfABallIsClosedAndHasItsVolume) {

@@ -1,4 +1,4 @@
-// Checkpoint files of a training run: the state behind a digest, so that a damaged file is reported and never used.
+// Checkpoint files of a long computation: its state behind a digest, so that a damaged file is reported and never used.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "core/learn/trainer/checkpoint.h"
+#include "core/foundation/base/checkpoint.h"
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
