@@ -46,13 +46,13 @@ void add_case(const test::TinyCapture& capture) {
 
 double psnr_of(const ImageF& a, const fs::path& png) { return psnr(a, read_srgb(png)); }
 
-// A page of that scene, an HDRI and a file that is none.
+// A page of a ball, an HDRI and a file that is none.
 class ViewPage : public InChromium {
  protected:
   void SetUp() override {
     InChromium::SetUp();
     if (HasFatalFailure() || IsSkipped()) return;
-    add_case(capture);
+    prepare();
     make_folders(decompose / "decompose");
     const RelitScene ball = test::relit_ball({0.8f, 0.4f, 0.2f});
     write_decomposed_materials(decompose, ball.materials);
@@ -69,6 +69,7 @@ class ViewPage : public InChromium {
         {"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose}});
     write_view(read_file(empty_page_path("view")), {}, *context);
   }
+  virtual void prepare() {}
   // What a script found that used the page; pictures are in `out`.
   json used(const char* script, const fs::path& out) const {
     return answer(run_script({script, (context->output() / "view.html").string(), sky.string(), none.string(), out.string()}));
@@ -80,7 +81,12 @@ class ViewPage : public InChromium {
   std::optional<test::RecordingContext> context;
 };
 
-TEST_F(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
+class ViewPageOfACase : public ViewPage {
+ protected:
+  void prepare() override { add_case(capture); }
+};
+
+TEST_F(ViewPageOfACase, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
   EXPECT_LT(fs::file_size(context->output() / "view.html"), 3u << 20);
   const fs::path out = pictures("view");
   const json r = used("view_page.mjs", out);
