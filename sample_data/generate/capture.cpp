@@ -10,6 +10,7 @@ namespace vitrine::generate {
 namespace {
 
 constexpr int kMetalFactor = 4;
+constexpr float kContentSeen = 0.95f;
 
 float tent(float u) { return u < 0.5f ? std::sqrt(2.0f * u) - 1.0f : 1.0f - std::sqrt(2.0f - 2.0f * u); }
 
@@ -59,12 +60,13 @@ SurfacePictures first_surface(const RayScene& rays, const View& view) {
   const int w = view.intrinsics.width, h = view.intrinsics.height;
   const Rigid world_from_cam = inverse(view.cam_from_world);
   SurfacePictures out{ImageF(w, h, 1), ImageF(w, h, 3), ImageF(w, h, 3), Image8(w, h, 1),
-                      Image8(w, h, 1), Image8(w, h, 1), Image8(w, h, 1)};
+                      Image8(w, h, 1), Image8(w, h, 1), Image8(w, h, 1), Image8(w, h, 1)};
   parallel_for(static_cast<size_t>(h), 4, [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < w; ++x) {
       const Ray ray = camera_ray(view, world_from_cam, x + 0.5, y + 0.5);
       const std::optional<Hit> first = rays.first_hit(ray.origin, ray.direction);
+      out.content.at(x, y) = rays.content_transmittance(ray.origin, ray.direction) < kContentSeen ? 255 : 0;
       if (!first) continue;
       out.zdepth.at(x, y) = static_cast<float>(static_cast<double>(first->distance) / ray.per_zdepth);
       const Vec3f n = dot(first->normal, ray.direction) > 0 ? -first->normal : first->normal;

@@ -23,6 +23,7 @@ struct SurfacePictures {  // one sample at every pixel centre; 0 where nothing w
   ImageF normal;          // [h,w,3] world, facing the camera, first surface
   ImageF albedo;          // [h,w,3] first surface that is not glass, the base of a coat; 0 for metal and mirrors
   Image8 object, transparent, specular, coated;
+  Image8 content;  // what fills glass takes a twentieth or more of the light, on the bent ray
 };
 SurfacePictures first_surface(const RayScene& rays, const View& view);
 

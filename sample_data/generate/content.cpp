@@ -37,6 +37,19 @@ GlassContent::GlassContent(float density, const Vec3f& color, std::vector<Cloud>
   for (const Cloud& c : clouds_) whitened_.push_back(whitened(c.gaussian));
 }
 
+GlassContent GlassContent::moved(const Vec3f& by, float turn, float scale) const {
+  const float c = std::cos(turn), s = std::sin(turn);
+  const Mat3f turned{{c, s, 0}, {-s, c, 0}, {0, 0, 1}};
+  std::vector<Cloud> clouds = clouds_;
+  for (auto& [g, color] : clouds) {
+    g.mean = scale * (turned * g.mean) + by;
+    g.rotation = quaternion(turned * rotation_matrix(normalized(g.rotation)));
+    for (size_t axis = 0; axis < 3; ++axis) g.log_scale[axis] += std::log(scale);
+    g.log_density -= std::log(scale);
+  }
+  return {density_ / scale, color_, std::move(clouds)};
+}
+
 VolumeLightf GlassContent::light(const Vec3f& origin, const Vec3f& direction, float distance) const {
   constexpr float kLeastDepth = 1e-6f, kReach = 5;
   const float length = distance / float(kCells), everywhere = density_ * length;
@@ -78,8 +91,14 @@ void write_content(const std::filesystem::path& path, const Scene& scene) {
     const GlassContent& content = *part.material.content;
     std::string clouds;
     for (const GlassContent::Cloud& c : content.clouds()) clouds += (clouds.empty() ? "\n    " : ",\n    ") + cloud_row(c);
-    rows += fmt::format("{}  {{\"part\": \"{}\", \"density_per_m\": {}, \"color\": {}, \"clouds\": [{}]}}",
-                        rows.empty() ? "" : ",\n", part.name, content.density(), row(content.color()), clouds);
+    Bounds3 bounds;
+    for (const Vec3f& p : part.shape.mesh.positions) bounds.extend(cast<double>(p));
+    rows += fmt::format(
+        "{}  {{\"part\": \"{}\", \"bounds\": [{}, {}], \"index_of_refraction\": {}, \"density_per_m\": {}, \"color\": {}, "
+        "\"clouds\": [{}]}}",
+        rows.empty() ? "" : ",\n", part.name, row(cast<float>(bounds.low)), row(cast<float>(bounds.high)),
+        part.material.kind == MaterialKind::SolidGlass ? part.material.index_of_refraction : 1.0f, content.density(),
+        row(content.color()), clouds);
   }
   if (!rows.empty()) write_file(path, "[\n" + rows + "\n]\n");
 }

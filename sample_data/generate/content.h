@@ -1,4 +1,4 @@
-// What a body of solid glass is filled with: cloudy liquid or smoke that absorbs and emits, without scattering. Density is that
+// What a body of glass is filled with: cloudy liquid, jelly or smoke that absorbs and emits, without scattering. Density is that
 // of the body plus a sum of 3D Gaussians (core/render/volume/gaussian3.h); light along a ray within the body is
 //   the integral of colour(t) density(t) exp(-optical depth before t) dt, with the mean colour by density.
 // Glow of the content lights the scene by way of diffuse bounces, and shadow rays are weakened.
@@ -25,6 +25,9 @@ class GlassContent {
   const Vec3f& color() const { return color_; }
   const std::vector<Cloud>& clouds() const { return clouds_; }
 
+  // After p -> scale turned(p) + by; `turn` (radians) about the vertical axis. Optical depths stay.
+  GlassContent moved(const Vec3f& by, float turn, float scale) const;
+
   // Over `distance` metres from `origin`; `direction` has unit length.
   VolumeLightf light(const Vec3f& origin, const Vec3f& direction, float distance) const;
   float transmittance(const Vec3f& origin, const Vec3f& direction, float distance) const;
@@ -36,8 +39,9 @@ class GlassContent {
   std::vector<Whitened<float>> whitened_;
 };
 
-// truth/content.json: a list of the filled parts: "part", "density_per_m", "color" and "clouds" ("mean", "deviations" in metres,
-// "rotation" w x y z, "density_per_m" at the mean, "color"). Nothing where no part is filled.
+// truth/content.json: a list of the filled parts: "part", "bounds" (its lowest and highest corner), "index_of_refraction" (1:
+// rays go straight through a thin wall), "density_per_m", "color" and "clouds" ("mean", "deviations" in metres, "rotation" w x y
+// z, "density_per_m" at the mean, "color"). Nothing where no part is filled.
 void write_content(const std::filesystem::path& path, const Scene& scene);
 
 }  // namespace vitrine::generate

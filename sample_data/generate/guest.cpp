@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/foundation/base/error.h"
+#include "sample_data/generate/content.h"
 
 namespace vitrine::generate {
 namespace {
@@ -43,6 +44,9 @@ void add_guest(Scene& host, const Scene& guest, const GuestPlace& place) {
     part.name = "guest_" + part.name;
     for (Vec3f& p : part.shape.mesh.positions) p = place.scale * turned(p, place.turn_rad) + Vec3f{place.x, place.y, 0};
     for (Vec3f& n : part.shape.mesh.normals) n = turned(n, place.turn_rad);
+    if (part.material.content)
+      part.material.content =
+          std::make_shared<const GlassContent>(part.material.content->moved({place.x, place.y, 0}, place.turn_rad, place.scale));
     if (part.material.albedo) part.material.albedo = moved_texture(part.material.albedo, place);
     host.parts.push_back(std::move(part));
   }

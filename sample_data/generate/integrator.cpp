@@ -198,7 +198,7 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
           continue;
         }
         path.origin = offset_origin(*hit, path.direction);
-        if (!thin) path.within = outer ? material.content.get() : nullptr;
+        path.within = outer ? material.content.get() : nullptr;
         if (splits < kSplitPanes) {
           ++splits;
           back.weight *= r;
@@ -265,6 +265,7 @@ void Integrator::gather_part(size_t part_index, int pass, const CacheDesc& desc,
   constexpr float kIntoFace = 0.12f;
   constexpr uint32_t kInsideRays = 32;  // rays of the direct pass that look whether the vertex is inside something
   constexpr float kMostInside = 0.25f;  // share of rays that may end on inner sides
+  constexpr float kOffGround = 1e-3f;   // metres, where the content around a vertex is looked up
   const Part& part = rays_.scene().parts[part_index];
   const TriMesh& mesh = part.shape.mesh;
   const VertexFaces around(mesh);
@@ -275,6 +276,7 @@ void Integrator::gather_part(size_t part_index, int pass, const CacheDesc& desc,
     const Frame frame(mesh.normals[v]);
     const uint64_t key = mix64(mix64(static_cast<uint64_t>(pass), part_index), v);
     const uint32_t samples = pass == 0 ? desc.direct_samples : desc.gather_samples;
+    const GlassContent* within = light_.glass ? rays_.content_at(mesh.positions[v] + kOffGround * mesh.normals[v]) : nullptr;
     Vec3f sum{};
     uint32_t inside_count = 0;
     for (uint32_t s = 0; s < samples; ++s) {
@@ -294,7 +296,8 @@ void Integrator::gather_part(size_t part_index, int pass, const CacheDesc& desc,
       }
       if (dot(d, at.geometric) <= 0) continue;
       bool inside = false;
-      const Vec3f gathered = traced({.origin = offset_origin(at, d), .direction = d, .lights = false}, &last, sampler, &inside);
+      const Vec3f gathered =
+          traced({.origin = offset_origin(at, d), .direction = d, .lights = false, .within = within}, &last, sampler, &inside);
       inside_count += inside;
       if (pass > 0) sum += kPi * gathered;
     }

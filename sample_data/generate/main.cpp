@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
             "At the places of the views, equirect: 360-degree panoramas, --size WxH is 2:1; fisheye: photos of 180 degrees, with "
             "poses in poses/.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
-  cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
+  cli.value("seed", 0, "N", seed, 1, "Which scene of the family; the three galleries need it, nothing else takes it.");
   cli.value("medium", 0, "coastal|deep|green|haze", medium,
             "Water or haze before the cameras; truth/clear has the views in air.");
   cli.value("guest", 0, "N", guest, 1, "Also the objects of seed N of the family; truth/mask/object shows them alone.");

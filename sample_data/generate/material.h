@@ -25,7 +25,7 @@ struct Material {
   Vec3f reflectance{1, 1, 1};                        // Metal, Mirror: at normal incidence
   float roughness = 0;                               // Metal, Coat: perceptual, alpha = roughness^2; a coat of 0 is a mirror
   float index_of_refraction = 1.5f;                  // Coat, ThinGlass, SolidGlass
-  std::shared_ptr<const GlassContent> content = {};  // SolidGlass: what fills it; null: clear
+  std::shared_ptr<const GlassContent> content = {};  // of glass: what fills it; null: clear
   bool glass() const { return kind == MaterialKind::ThinGlass || kind == MaterialKind::SolidGlass; }
   bool painted() const { return kind == MaterialKind::Diffuse || kind == MaterialKind::Coat; }  // has an albedo
   bool glossy() const { return kind != MaterialKind::Diffuse && kind != MaterialKind::Emitter; }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/foundation/base/error.h"
+#include "core/render/model/kernels/mirror.h"
 #include "core/scene/mesh/embree_version.h"
 #include "sample_data/generate/content.h"
 
@@ -39,7 +40,7 @@ bool intersect(RTCScene tree, RTCRayHit& r) {
 struct RayScene::Trees {
   RTCDevice device = nullptr;
   RTCScene opaque = nullptr, glass = nullptr;
-  bool has_glass = false;
+  bool has_glass = false, has_content = false;
   ~Trees() {
     if (glass) rtcReleaseScene(glass);
     if (opaque) rtcReleaseScene(opaque);
@@ -72,12 +73,15 @@ RayScene::RayScene(const Scene& scene) : scene_(scene), trees_(std::make_unique<
     rtcAttachGeometryByID(glass ? trees_->glass : trees_->opaque, geometry, static_cast<unsigned>(i));
     rtcReleaseGeometry(geometry);
     trees_->has_glass |= glass;
+    trees_->has_content |= scene.parts[i].material.content != nullptr;
   }
   rtcCommitScene(trees_->opaque);
   rtcCommitScene(trees_->glass);
 }
 
 RayScene::~RayScene() = default;
+
+bool RayScene::has_content() const { return trees_->has_content; }
 
 std::optional<Hit> RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass) const {
   RTCRayHit r = ray_hit(origin, direction, 0, kFarthest);
@@ -132,6 +136,39 @@ float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float
     from = r.ray.tfar + kOffset;
   }
   return passed;
+}
+
+float RayScene::content_transmittance(const Vec3f& origin, const Vec3f& direction) const {
+  float passed = 1;
+  const GlassContent* within = nullptr;
+  Vec3f from = origin, towards = direction;
+  for (int pane = 0; trees_->has_content && pane < kMostPanes; ++pane) {
+    const std::optional<Hit> hit = first_hit(from, towards);
+    if (within) passed *= within->transmittance(from, towards, hit ? hit->distance : kFarthest);
+    if (!hit || !hit->glass()) break;
+    const Material& material = hit->part->material;
+    const bool outer = dot(hit->geometric, towards) < 0;
+    const Vec3f normal = outer ? hit->normal : -hit->normal;
+    const float ratio = outer ? 1.0f / material.index_of_refraction : material.index_of_refraction;
+    if (material.kind == MaterialKind::SolidGlass && !refract(towards, normal, ratio, towards))
+      towards = towards - 2.0f * dot(towards, normal) * normal;
+    else
+      within = outer ? material.content.get() : nullptr;
+    from = offset_origin(*hit, towards);
+  }
+  return passed;
+}
+
+const GlassContent* RayScene::content_at(const Vec3f& point) const {
+  float from = 0;
+  for (int pane = 0; trees_->has_content && pane < kMostPanes; ++pane) {
+    RTCRayHit r = ray_hit(point, {0, 0, 1}, from, kFarthest);
+    if (!intersect(trees_->glass, r)) break;
+    const GlassContent* content = scene_.parts[r.hit.geomID].material.content.get();
+    if (content) return r.hit.Ng_z > 0 ? content : nullptr;
+    from = r.ray.tfar + kOffset;
+  }
+  return nullptr;
 }
 
 Vec3f offset_origin(const Hit& hit, const Vec3f& direction) {

@@ -31,10 +31,15 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
 
   const Scene& scene() const { return scene_; }
+  bool has_content() const;
   std::optional<Hit> first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass = true) const;
   // 0 when something opaque lies within `distance`, else the product of 1 - r over the panes passed (straight on: light that
   // solid glass gathers or spreads is left out), weakened by the content of the bodies passed.
   float transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass = true) const;
+  // Of the contents alone, from outside of them to the first opaque surface; solid glass bends the ray, reflections are left out.
+  float content_transmittance(const Vec3f& origin, const Vec3f& direction) const;
+  // What fills the body that `point` is in, which must be closed or stand on something opaque; null: nothing.
+  const GlassContent* content_at(const Vec3f& point) const;
 
  private:
   struct Trees;

@@ -122,6 +122,11 @@ void write_surface(const RayScene& rays, const View& view, const fs::path& truth
   for (const auto& [name, mask] :
        {std::pair{"object", &s.object}, {"transparent", &s.transparent}, {"specular", &s.specular}, {"coated", &s.coated}})
     write_ldr(truth / "mask" / name / (view.stem() + ".png"), *mask);
+  if (rays.has_content()) {
+    const fs::path path = truth / "mask" / "content" / (view.stem() + ".png");
+    make_folders(path.parent_path());
+    write_ldr(path, s.content);
+  }
   if (full) write_exr_rgb(truth / "albedo" / (view.stem() + ".exr"), s.albedo);
   if (!full) s = first_surface(rays, at_size(view, divisor));
   shorten_mantissas(s.zdepth);

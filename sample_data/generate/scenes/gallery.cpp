@@ -13,10 +13,10 @@ namespace {
 
 constexpr uint64_t kGainPurpose = 9;
 
-Scene gallery_in(uint64_t seed, RoomPaint paint) {
+Scene gallery_in(uint64_t seed, RoomPaint paint, GalleryPlan (*plan_of)(uint64_t) = gallery_plan) {
   if (seed == 0) throw Error(ErrorKind::Usage, "seeds of the gallery begin at 1", {.code = "USAGE"});
   Scene scene;
-  GalleryPlan plan = gallery_plan(seed);
+  GalleryPlan plan = plan_of(seed);
   add_gallery_room(scene, plan, seed, paint);
   add_gallery_lights(scene, plan, seed);
   add_gallery_views(scene, plan, seed);
@@ -57,5 +57,7 @@ Scene plain_gallery(uint64_t seed) {
   drift_gains(scene.views, seed);
   return scene;
 }
+
+Scene filled_gallery(uint64_t seed) { return gallery_in(seed, RoomPaint::Patterned, filled_plan); }
 
 }  // namespace vitrine::generate

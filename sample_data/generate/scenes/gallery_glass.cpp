@@ -13,14 +13,6 @@ constexpr int kGlassAround = 96;
 constexpr float kGap = 0.0005f;  // between a thing and what it stands on, metres
 const Material kSheet{.kind = MaterialKind::ThinGlass}, kSolid{.kind = MaterialKind::SolidGlass};
 
-// A quarter of an ellipse from (radius, low) up to the axis.
-void close_above(Profile& profile, float radius, float low, float rise, int steps) {
-  for (int i = 1; i <= steps; ++i) {
-    const float a = 0.5f * kPi * static_cast<float>(i) / static_cast<float>(steps);
-    profile.push_back({i == steps ? 0.0f : radius * std::cos(a), low + rise * std::sin(a)});
-  }
-}
-
 Shape round_plinth(float radius, float height) {
   return revolved(
       Profile{
@@ -29,6 +21,13 @@ Shape round_plinth(float radius, float height) {
 }
 
 }  // namespace
+
+void close_above(Profile& profile, float radius, float low, float rise, int steps) {
+  for (int i = 1; i <= steps; ++i) {
+    const float a = 0.5f * kPi * static_cast<float>(i) / static_cast<float>(steps);
+    profile.push_back({i == steps ? 0.0f : radius * std::cos(a), low + rise * std::sin(a)});
+  }
+}
 
 Piece box_case(Draw& draw) {
   Piece piece;

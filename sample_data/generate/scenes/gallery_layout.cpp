@@ -97,11 +97,13 @@ std::vector<Piece> drawn_pieces(uint64_t seed) {
 
 }  // namespace
 
-GalleryPlan gallery_plan(uint64_t seed) {
+GalleryPlan gallery_plan(uint64_t seed) { return placed_pieces(drawn_pieces(seed), seed); }
+
+GalleryPlan placed_pieces(std::vector<Piece> pieces, uint64_t seed) {
   GalleryPlan plan;
   Draw draw(seed, kPlacePurpose);
   std::vector<PlacedPiece> waiting;
-  for (Piece& piece : drawn_pieces(seed)) {
+  for (Piece& piece : pieces) {
     PlacedPiece placed{.piece = std::move(piece)};
     name_parts(placed.piece, waiting.size());
     centre_piece(placed);

@@ -24,6 +24,11 @@ struct GalleryPlan {
 // seed >= 1. The same pieces for the same seed; cheap: no lights, no pictures of the room.
 GalleryPlan gallery_plan(uint64_t seed);
 
+// These pieces, placed by the seed.
+GalleryPlan placed_pieces(std::vector<Piece> pieces, uint64_t seed);
+// The plan of filled_gallery: vessels and matt things (filled_gallery.cpp).
+GalleryPlan filled_plan(uint64_t seed);
+
 // Views of the plan: one to three rings (arcs in front of a wall), as near as the pieces leave the pictures' edges free.
 void add_gallery_views(Scene& scene, const GalleryPlan& plan, uint64_t seed);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sample_data/generate/content.h"
 #include "sample_data/generate/revolve.h"
 
 namespace vitrine::generate {
@@ -50,6 +51,8 @@ void shift(Piece& piece, const Vec3f& by, float turn, float scale) {
   for (Part& part : piece.parts) {
     for (Vec3f& p : part.shape.mesh.positions) p = scale * turned_by(p) + by;
     for (Vec3f& n : part.shape.mesh.normals) n = turned_by(n);
+    if (part.material.content)
+      part.material.content = std::make_shared<const GlassContent>(part.material.content->moved(by, turn, scale));
     if (part.material.albedo)
       part.material.albedo = [=, pattern = std::move(part.material.albedo)](const SurfacePoint& at) {
         return pattern({turned_back((1.0f / scale) * (at.position - by)), turned_back(at.normal), at.uv});

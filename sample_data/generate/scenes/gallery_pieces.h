@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "sample_data/generate/revolve.h"
 #include "sample_data/generate/scene.h"
 #include "sample_data/generate/scenes/gallery_draw.h"
 
@@ -60,6 +61,9 @@ Blobs drawn_blobs(Draw& draw, float radius, float height);
 std::vector<Vec2f> drawn_vase_knots(Draw& draw, float radius, float height);  // the outer wall, foot to rim
 // The wall of an open vessel: from the middle of its foot up the outer wall, over the rim and down inside.
 Shape vessel(std::span<const Vec2f> outer_knots, float thickness, int steps, int around);
+
+// A quarter of an ellipse from (radius, low) up to the axis.
+void close_above(Profile& profile, float radius, float low, float rise, int steps);
 
 void add_part(Piece& piece, const char* name, Shape shape, Material material);
 // The parts of another piece, moved up by `lift`, as parts of this one.

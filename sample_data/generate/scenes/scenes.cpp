@@ -11,7 +11,8 @@ constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room},
                                   {"cabinet", cabinet},
                                   {"hall", hall},
                                   {"gallery", nullptr, gallery},
-                                  {"plain_gallery", nullptr, plain_gallery}};
+                                  {"plain_gallery", nullptr, plain_gallery},
+                                  {"filled_gallery", nullptr, filled_gallery}};
 }
 
 std::span<const SceneEntry> scene_list() { return kScenes; }

@@ -24,6 +24,10 @@ Scene gallery(uint64_t seed);  // glass, metal, mirrors and coated paint drawn b
 // The same things between bare walls of one paint each, and exposure and white balance of every photo are its own.
 Scene plain_gallery(uint64_t seed);
 
+// In the same rooms one or two closed vessels of glass, filled with cloudy liquid, jelly or fog (odd seeds) or smoke whose
+// density varies (even seeds), some with a painted thing inside, among painted things.
+Scene filled_gallery(uint64_t seed);
+
 Scene hall();  // a painted hall, 12 m long, with crates; 300 views of 160x120 on three walks from end to end
 
 struct SceneEntry {
