@@ -112,7 +112,10 @@ class Reader {
       if (chosen.object) part.name = *chosen.object;
     }
     if (w.name != nullptr) part.name = w.name->text;
-    if (index > 0 && (w.place == nullptr || w.place->find("scale") == nullptr)) part.place.scale = common_scale(index);
+    if (index > 0 && w.place != nullptr && w.place->find("same_poses") != nullptr)
+      part.place = place_by_poses(index);
+    else if (index > 0 && (w.place == nullptr || w.place->find("scale") == nullptr))
+      part.place.scale = common_scale(index);
     for (size_t i = 0; i < index; ++i)
       if (parts_[i].folders.optimize == part.folders.optimize && parts_[i].wanted == part.wanted &&
           same_place(parts_[i].place, part.place))
@@ -159,8 +162,10 @@ class Reader {
   }
 
   void take_place(const YamlNode& node, CompositionPart& part) {
-    in_.only_keys(node, {"translate", "rotate", "scale"});
+    in_.only_keys(node, {"same_poses", "translate", "rotate", "scale"});
     if (node.kind != YamlNode::Kind::Map) return;
+    if (const YamlNode* same = node.find("same_poses"))
+      if (same->text != "true" || node.entries.size() > 1) in_.complain(*same, "it can only be 'place: {same_poses: true}'");
     if (const YamlNode* by = node.find("translate"))
       if (const auto t = in_.numbers(*by, 3, "[x, y, z] in units of the first part"))
         part.place.translation = {(*t)[0], (*t)[1], (*t)[2]};
@@ -196,6 +201,31 @@ class Reader {
   std::optional<double> metres(size_t index) const {
     const auto known = read_scene_info(parts_[index].sfm / "scene.json").metres_per_unit();
     return known ? known : exported_unit(written_[index].folder, parts_[index]);
+  }
+
+  // Digest of the poses that the project was given; empty: none.
+  std::string given_poses(size_t index) const {
+    const fs::path& project = written_[index].folder;
+    const auto manifest = ArtifactStore(store_of(project)).find("sfm", *current_key(project, "sfm"));
+    const auto term = manifest ? manifest->terms.find("input.poses") : KeyTerms::const_iterator();
+    return manifest && term != manifest->terms.end() ? term->second : std::string();
+  }
+
+  // Each project has normalised the frame of its poses by its own cameras.
+  Similarity place_by_poses(size_t index) const {
+    const CompositionPart &host = parts_.front(), &part = parts_[index];
+    const std::string of_host = given_poses(0), of_part = given_poses(index);
+    if (of_host.empty() || of_part.empty() || of_host != of_part)
+      throw Error(ErrorKind::Input, fmt::format("'{}' and '{}' were not given the same poses", host.name, part.name),
+                  {.where = part.where,
+                   .why = of_host.empty() || of_part.empty()
+                              ? fmt::format("'{}' was computed without --poses", of_host.empty() ? host.name : part.name)
+                              : "their poses differ, and so may their frames",
+                   .hint = "vitrine run PHOTOS -o PROJECT --poses FILE, for both with one file that has the poses of all photos",
+                   .code = "NOT_SAME_POSES"});
+    const Similarity scene = read_scene_info(host.sfm / "scene.json").scene_from_colmap,
+                     other = inverse(read_scene_info(part.sfm / "scene.json").scene_from_colmap);
+    return {scene.scale * other.scale, scene.rotation * other.rotation, scene * other.translation};
   }
 
   // Units of the host per unit of the part.

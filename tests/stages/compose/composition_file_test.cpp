@@ -28,6 +28,21 @@ class CompositionFile : public testing::Test {
     pending.commit(manifest, "{}");
     set_current_key(projects_.at(project), "export", "e");
   }
+  // Another run of sfm, with this frame and given poses.
+  void pose(const std::string& project, const std::string& poses, const Similarity& scene_from_colmap) const {
+    ArtifactStore store(store_of(projects_.at(project)));
+    const std::string key = "p" + poses + project;
+    PendingArtifact pending(store, "sfm", key);
+    fs::copy(store_of(projects_.at(project)) / "sfm" / *current_key(projects_.at(project), "sfm"), pending.path(),
+             fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    SceneInfo info;
+    info.scene_from_colmap = scene_from_colmap;
+    write_scene_info(pending.path() / "scene.json", info);
+    Manifest manifest;
+    manifest.stage = "sfm", manifest.key = key, manifest.terms = {{"input.poses", poses}};
+    pending.commit(manifest, "{}");
+    set_current_key(projects_.at(project), "sfm", key);
+  }
   test::Projects projects_;
 };
 
@@ -66,6 +81,25 @@ TEST_F(CompositionFile, TheOptionsOfExportAreAMeasureToo) {
 TEST_F(CompositionFile, AScenesCopyNeedsNoUnitButAnotherPlace) {
   EXPECT_EQ(read("  - project: room\n  - {project: room, place: {translate: [1, 0, 0]}}\n")[1].place.scale, 1);
   EXPECT_EQ(error_of([&] { read("  - project: room\n  - project: room\n"); }).kind(), ErrorKind::Usage);
+}
+
+TEST_F(CompositionFile, PartsWithTheSamePosesKeepTheirFrame) {
+  const std::string two = "  - project: room\n  - {project: shelf, place: {same_poses: true}}\n";
+  const Error without = error_of([&] { read(two); });
+  EXPECT_EQ(without.detail().code, "NOT_SAME_POSES");
+  EXPECT_NE(without.detail().where.find("scene.yaml:3:"), std::string::npos) << without.what();
+  const Similarity room{2, rotation_matrix(Quatd{0.6, 0, 0, 0.8}), {1, 2, 3}},
+      shelf{0.5, rotation_matrix(Quatd{0.8, 0.6, 0, 0}), {-1, 0, 4}};
+  pose("room", "a", room);
+  pose("shelf", "b", shelf);
+  EXPECT_EQ(error_of([&] { read(two); }).detail().code, "NOT_SAME_POSES");
+  pose("shelf", "a", shelf);
+  const Similarity place = read(two)[1].place;
+  for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, -2, 0.5}, Vec3d{3, 1, 1}})
+    EXPECT_LT(length(place * (shelf * p) - room * p), 1e-12) << "a point of the common frame";
+  for (const char* other : {"{same_poses: false}", "{same_poses: true, scale: 2}"})
+    EXPECT_EQ(error_of([&] { read(fmt::format("  - project: room\n  - {{project: shelf, place: {}}}\n", other)); }).kind(),
+              ErrorKind::Usage);
 }
 
 TEST_F(CompositionFile, TheKeyCoversTheArtifactsOfAllParts) {
