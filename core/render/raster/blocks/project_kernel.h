@@ -111,7 +111,7 @@ struct ProjectKernel {
     b.z0 = p.map.z0.v;
     b.h0 = p.map.h0.v;
     b.h1 = p.map.h1.v;
-    Box<F32> box;
+    ScreenBox<F32> box;
     if (e.is_ellipse) {
       b.ex = e.ex.v;
       b.ey = e.ey.v;

@@ -101,7 +101,7 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
       to.disc_r2 = limit(6);
       to.z_low = limit(7);
       to.z_high = limit(8);
-      Box<float> box;
+      ScreenBox<float> box;
       if (ellipses >> lane & 1u) {
         to.inv_yy = limit(2);
         to.inv_xx = limit(3);

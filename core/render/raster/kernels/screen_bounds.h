@@ -66,7 +66,7 @@ VITRINE_INLINE EllipseBounds<T> ellipse_bounds(const Projection<T>& p, T opacity
 }
 
 template <class T>
-struct Box {
+struct ScreenBox {
   T x_lo, x_hi, y_lo, y_hi;
   VITRINE_HD void add(T x, T y) {
     x_lo = x < x_lo ? x : x_lo;
@@ -83,11 +83,11 @@ struct ScreenColumns {
 
 // Box of a surfel that crosses the near plane: projection of an octagon around its disc, clipped at the plane.
 template <class T>
-VITRINE_INLINE Box<T> clipped_box(const ScreenColumns<T>& s, T radius, T near_z) {
+VITRINE_INLINE ScreenBox<T> clipped_box(const ScreenColumns<T>& s, T radius, T near_z) {
   constexpr int kCorners = 8;
   constexpr float kOctagon = 1.0823922f;  // circumscribed: 1 / cos(pi/8)
   constexpr float kCos[kCorners] = {1.f, 0.70710678f, 0.f, -0.70710678f, -1.f, -0.70710678f, 0.f, 0.70710678f};
-  Box<T> box{T(1e30f), T(-1e30f), T(1e30f), T(-1e30f)};
+  ScreenBox<T> box{T(1e30f), T(-1e30f), T(1e30f), T(-1e30f)};
   T u[kCorners], v[kCorners], z[kCorners];
   for (int i = 0; i < kCorners; ++i) {
     u[i] = radius * T(kOctagon) * T(kCos[i]);
