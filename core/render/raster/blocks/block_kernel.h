@@ -16,6 +16,8 @@
 #include <cstring>
 #include <memory>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,6 +38,39 @@ VITRINE_HD inline void set_flag(uint32_t& flag) {
 #else
   std::atomic_ref(flag).store(1, std::memory_order_relaxed);
 #endif
+}
+VITRINE_HD inline void set_flag(uint32_t& flag) { set_bits(flag, 1); }
+VITRINE_HD inline uint32_t bit_count(uint32_t word) {
+#ifdef __CUDA_ARCH__
+  return static_cast<uint32_t>(__popc(word));
+#else
+  return static_cast<uint32_t>(__builtin_popcount(word));
+#endif
+}
+
+// The device failed or is missing; the text names what and why.
+struct ExecutorFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+// It gave no more memory, in bytes.
+struct ExecutorMemory : ExecutorFailure {
+  ExecutorMemory(size_t asked_for, size_t held_already, size_t left)
+      : ExecutorFailure("too little memory"), asked(asked_for), held(held_already), free(left) {}
+  size_t asked, held, free;
+};
+// More items than 32 bits count. `what`: of which kind.
+struct ExecutorOverflow : ExecutorFailure {
+  using ExecutorFailure::ExecutorFailure;
+};
+
+// Sum that stays at the largest number instead of starting again at 0: like the plain sum it depends on no order.
+VITRINE_HD inline uint32_t bounded_sum(uint32_t a, uint32_t b) { return a + b < a ? ~0u : a + b; }
+// The threads of a last block that is not full have numbers, too.
+inline constexpr uint32_t kMostItems = ~0u - 4096;
+// A sum of bounded_sum that indices can have.
+inline uint32_t checked_count(uint32_t count, const char* what) {
+  if (count > kMostItems) throw ExecutorOverflow(what);
+  return count;
 }
 
 struct NoShared {};

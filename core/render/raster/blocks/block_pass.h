@@ -6,17 +6,11 @@
 
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "core/render/raster/blocks/pass_kernels.h"
 
 namespace vitrine::blocks {
-
-// The device failed or is missing; the text names what and why.
-struct ExecutorFailure : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 class BlockPass {
  public:

@@ -1,5 +1,5 @@
 // Sums of all earlier entries of an array of integers (exclusive scan), in three kernels: sums of blocks, sums of those, and
-// their addition. Integers only: the order in which they are added changes nothing.
+// their addition. Integers only: the order in which they are added changes nothing. Sums that 32 bits cannot hold are ~0u.
 #pragma once
 
 #include "core/render/raster/blocks/block_kernel.h"
@@ -15,7 +15,7 @@ struct BlockSums {
   VITRINE_HD void step(uint32_t step, uint32_t thread) {
     const uint32_t(&from)[kThreads] = sums[step & 1];
     const uint32_t reach = 1u << step;
-    sums[(step + 1) & 1][thread] = from[thread] + (thread >= reach ? from[thread - reach] : 0);
+    sums[(step + 1) & 1][thread] = bounded_sum(from[thread], thread >= reach ? from[thread - reach] : 0);
   }
   VITRINE_HD uint32_t before(uint32_t thread) const { return thread == 0 ? 0 : sums[0][thread - 1]; }
   VITRINE_HD uint32_t total() const { return sums[0][kThreads - 1]; }
@@ -39,7 +39,7 @@ struct ScanKernel {
     const uint32_t own = run_length / kThreads, begin = at.block * run_length + at.thread * own;
     if (phase == 0) {
       t.sum = 0;
-      for (uint32_t i = begin; i < begin + own && i < size; ++i) t.sum += in[i];
+      for (uint32_t i = begin; i < begin + own && i < size; ++i) t.sum = bounded_sum(t.sum, in[i]);
       shared.sums[0][at.thread] = t.sum;
     } else if (phase <= BlockSums::kSteps) {
       shared.step(phase - 1, at.thread);
@@ -48,7 +48,7 @@ struct ScanKernel {
       for (uint32_t i = begin; i < begin + own && i < size; ++i) {
         const uint32_t value = in[i];
         out[i] = sum;
-        sum += value;
+        sum = bounded_sum(sum, value);
       }
       if (at.thread == 0) totals[at.block] = shared.total();
     }
@@ -67,7 +67,7 @@ struct AddTotalsKernel {
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
     const uint32_t i = at.block * kThreads + at.thread;
-    if (i < size) out[i] += totals[i / run_length];
+    if (i < size) out[i] = bounded_sum(out[i], totals[i / run_length]);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <cuda_runtime.h>
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,18 +27,41 @@ __global__ __launch_bounds__(Kernel::kThreads) void run_kernel(const Kernel kern
   }
 }
 
+// Of all arrays of the process.
+inline std::atomic<size_t>& device_bytes_held() {
+  static std::atomic<size_t> bytes = 0;
+  return bytes;
+}
+
 // Memory of the device; resizing keeps nothing.
 template <class T>
 class CudaArray {
  public:
+  CudaArray() = default;
+  CudaArray(const CudaArray&) = delete;
+  CudaArray& operator=(const CudaArray&) = delete;
+  ~CudaArray() { device_bytes_held() -= capacity_ * sizeof(T); }
   void resize(size_t size) {
     if (size > capacity_) {
       data_.reset();
+      device_bytes_held() -= capacity_ * sizeof(T);
       capacity_ = 0;
-      void* data = nullptr;
-      check_cuda(cudaMalloc(&data, (size + size / 4) * sizeof(T)), "no memory on the device");
-      data_.reset(static_cast<T*>(data));
-      capacity_ = size + size / 4;
+      for (const size_t room : {size + size / 4, size}) {  // a fourth more than is needed, where there is so much
+        void* data = nullptr;
+        const cudaError_t result = cudaMalloc(&data, room * sizeof(T));
+        if (result != cudaErrorMemoryAllocation) check_cuda(result, "no memory on the device");
+        if (result != cudaSuccess) continue;
+        data_.reset(static_cast<T*>(data));
+        capacity_ = room;
+        device_bytes_held() += room * sizeof(T);
+        break;
+      }
+      cudaGetLastError();  // an allocation that failed is no error of the next kernel
+      if (data_ == nullptr) {
+        size_t free = 0, all = 0;
+        check_cuda(cudaMemGetInfo(&free, &all), "no memory on the device");
+        throw ExecutorMemory(size * sizeof(T), device_bytes_held(), free);
+      }
     }
     size_ = size;
   }

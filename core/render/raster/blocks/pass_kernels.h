@@ -39,7 +39,7 @@ class PassKernels {
     offsets_.resize(surfels);
     launch(executor, surfels, ProjectKernel{scene.surfels, scene.view, records_.data(), bounds_.data(), offsets_.data()});
     const uint32_t* total = exclusive_scan(executor, scan_, offsets_.data(), offsets_.data(), surfels);
-    instances_ = executor.read(total);
+    instances_ = checked_count(executor.read(total), "pairs of a surfel and a tile");
     sort_.resize(instances_);
     owners_.resize(instances_);
     surfel_of_.resize(instances_);
