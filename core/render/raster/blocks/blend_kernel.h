@@ -70,26 +70,53 @@ struct PlaneSink {
   }
 };
 
+// Which of the 256 pixels of its tile blend a fragment of an instance, row by row, and so where their fragments stand among those
+// of the instance: one after the other, in the order of the pixels.
+struct PixelMasks {
+  static constexpr uint32_t kWords = BlockView::kTileSide * BlockView::kTileSide / 32;
+  uint32_t* words;  // [instances, kWords]
+
+  VITRINE_HD static uint32_t place(uint32_t x, uint32_t y) {
+    constexpr uint32_t kSide = BlockView::kTileSide;
+    return y % kSide * kSide + x % kSide;
+  }
+  VITRINE_HD const uint32_t* of(uint32_t instance) const { return words + size_t{kWords} * instance; }
+  VITRINE_HD void add(uint32_t instance, uint32_t place) const {
+    set_bits(words[size_t{kWords} * instance + place / 32], 1u << place % 32);
+  }
+  // Fragments of the instance in pixels before `place`.
+  VITRINE_HD uint32_t rank(uint32_t instance, uint32_t place) const {
+    const uint32_t* w = of(instance);
+    uint32_t sum = bit_count(w[place / 32] & ((1u << place % 32) - 1));
+    for (uint32_t k = 0; k < place / 32; ++k) sum += bit_count(w[k]);
+    return sum;
+  }
+};
+
 // Blended fragments, pixel by pixel, each pixel in depth order.
 struct FragmentList {
-  uint32_t *instance, *pixel;
-  float* transmittance;        // in front of it
-  float *grad_alpha, *grad_z;  // written by the reverse pass
+  uint32_t* instance;
+  float* transmittance;  // in front of it
 };
 
 // Lists what PlaneSink blends.
 struct FragmentSink {
   struct Pixel {
-    uint32_t next, at;
+    uint32_t next, place;
   };
   const uint32_t* offsets;  // of each pixel: the fragments of those before it (sums of PixelPlanes::fragments)
   FragmentList out;
+  PixelMasks masks;
+  uint32_t width;  // of the picture
 
-  VITRINE_HD void start(Pixel& p, F32, size_t at) const { p = {offsets[at], static_cast<uint32_t>(at)}; }
+  VITRINE_HD void start(Pixel& p, F32, size_t at) const {
+    const uint32_t pixel = static_cast<uint32_t>(at);
+    p = {offsets[at], PixelMasks::place(pixel % width, pixel / width)};
+  }
   VITRINE_HD void add(Pixel& p, const Fragment& f, F32 transmittance, const SurfelRecord&) const {
     out.instance[p.next] = f.instance;
-    out.pixel[p.next] = p.at;
     out.transmittance[p.next++] = transmittance.v;
+    masks.add(f.instance, p.place);
   }
   VITRINE_HD void finish(const Pixel&, const BlockView&, size_t, uint32_t) const {}
 };

@@ -31,12 +31,12 @@ struct Place {
   uint32_t block, thread;
 };
 
-// Any number of threads may set a flag in one phase.
-VITRINE_HD inline void set_flag(uint32_t& flag) {
+// Any number of threads may set bits of a word in one phase.
+VITRINE_HD inline void set_bits(uint32_t& word, uint32_t bits) {
 #ifdef __CUDA_ARCH__
-  atomicOr(&flag, 1u);
+  atomicOr(&word, bits);
 #else
-  std::atomic_ref(flag).store(1, std::memory_order_relaxed);
+  std::atomic_ref(word).fetch_or(bits, std::memory_order_relaxed);
 #endif
 }
 VITRINE_HD inline void set_flag(uint32_t& flag) { set_bits(flag, 1); }

@@ -1,6 +1,6 @@
 // The passes as lists of kernels. Forward: projection, places of the instances, instances, sort, lists of tiles, blending.
-// Reverse: list of fragments, gradients by pixel, sort by instance, sums by instance, gradients by surfel. Executor is BlockLoops
-// or the CUDA launcher: both see the same kernels with the same arguments.
+// Reverse: list of fragments, their places by instance, gradients by pixel, sums by instance, gradients by surfel. Executor is
+// BlockLoops or the CUDA launcher: both see the same kernels with the same arguments.
 #pragma once
 
 #include "core/render/raster/blocks/reverse_kernels.h"
@@ -59,26 +59,34 @@ class PassKernels {
                const SurfelGradients& out) {
     const uint32_t pixels = scene.pixels();
     fragment_offsets_.resize(pixels);
-    const uint32_t count = executor.read(exclusive_scan(executor, scan_, blended, fragment_offsets_.data(), pixels));
-    const FragmentList fragments = list_of(count);
-    blend(executor, scene, FragmentSink{fragment_offsets_.data(), fragments});
+    const uint32_t count =
+        checked_count(executor.read(exclusive_scan(executor, scan_, blended, fragment_offsets_.data(), pixels)), "fragments");
+    list_instance_.resize(count);
+    list_transmittance_.resize(count);
+    const FragmentList list{list_instance_.data(), list_transmittance_.data()};
+    masks_.resize(size_t{PixelMasks::kWords} * instances_);
+    const PixelMasks masks{masks_.data()};
+    launch(executor, masks_.size(), ClearKernel{masks_.data(), masks_.size()});
+    blend(executor, scene, FragmentSink{fragment_offsets_.data(), list, masks, static_cast<uint32_t>(scene.view.width)});
 
-    fragment_sort_.resize(count);
-    launch(executor, count,
-           FragmentKeyKernel{fragments.instance, {fragment_sort_.keys.data(), fragment_sort_.values.data()}, count});
-    const SortedPairs by_instance = radix_sort(executor, fragment_sort_, count, 0, bits_of(instances_));
+    instance_offsets_.resize(instances_);
+    launch(executor, instances_, MaskCountKernel{masks, instance_offsets_.data(), instances_});
+    exclusive_scan(executor, scan_, instance_offsets_.data(), instance_offsets_.data(), instances_);
+    fragments_.resize(count);
+    const InstanceFragments fragments{instance_offsets_.data(), masks, fragments_.data()};
     const SweptInstances swept{surfel_of_.data(), records_.data()};
-    sums_.resize(instances_);
+    sums_.resize(size_t{InstanceSums::values_of(static_cast<uint32_t>(scene.features))} * instances_);
     for_channels(scene.features, scene.distortion, [&](auto features, auto distortion) {
       launch(executor, pixels,
-             PixelReverseKernel<features(), distortion()>{scene.view, swept, fragment_offsets_.data(), blended, fragments, in,
-                                                          pixels});
-      launch(executor, instances_,
-             InstanceReverseKernel<features()>{scene.view, swept, sorted_.values, by_instance, fragments, in, sums_.data(),
-                                               instances_, count});
+             PixelReverseKernel<features(), distortion()>{scene.view, swept, fragment_offsets_.data(), blended, list, fragments,
+                                                          in, pixels});
+      using OfInstances = InstanceReverseKernel<features()>;
+      executor.launch(OfInstances{scene.view, swept, sorted_.keys, sorted_.values, fragments, in, sums_.data(), instances_},
+                      blocks_for(instances_, OfInstances::kOfBlock));
     });
     launch(executor, scene.surfels.count,
-           SurfelReverseKernel{scene.surfels, scene.view, records_.data(), sums_.data(), offsets_.data(), instances_, out});
+           SurfelReverseKernel{scene.surfels, scene.view, records_.data(), sums_.data(), static_cast<uint32_t>(scene.features),
+                               offsets_.data(), instances_, out});
   }
 
   uint32_t instances() const { return instances_; }
@@ -103,23 +111,16 @@ class PassKernels {
     while (bits < 32 && largest >> bits != 0) ++bits;
     return bits;
   }
-  FragmentList list_of(uint32_t count) {
-    fragment_instance_.resize(count);
-    fragment_pixel_.resize(count);
-    for (auto* values : {&transmittance_, &grad_alpha_, &grad_z_}) values->resize(count);
-    return {fragment_instance_.data(), fragment_pixel_.data(), transmittance_.data(), grad_alpha_.data(), grad_z_.data()};
-  }
-
   Array<SurfelRecord> records_;
   Array<SplatBounds> bounds_;
   Array<uint32_t> offsets_, owners_, surfel_of_, tile_begin_;
   ScanMemory<Executor> scan_;
-  SortMemory<Executor> sort_, fragment_sort_;
+  SortMemory<Executor> sort_;
   SortedPairs sorted_{};
   uint32_t instances_ = 0;
-  Array<uint32_t> fragment_offsets_, fragment_instance_, fragment_pixel_;
-  Array<float> transmittance_, grad_alpha_, grad_z_;
-  Array<InstanceSums> sums_;
+  Array<uint32_t> fragment_offsets_, list_instance_, masks_, instance_offsets_;
+  Array<float> list_transmittance_, sums_;
+  Array<InstanceFragments::Values> fragments_;
 };
 
 }  // namespace vitrine::blocks

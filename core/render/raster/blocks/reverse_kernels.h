@@ -1,7 +1,8 @@
-// The reverse pass, without atomics. Fragments are listed by pixel in depth order (FragmentSink of blend_kernel.h); a thread for
-// each pixel goes through its list from back to front and leaves the gradients of each fragment's alpha and z; sorted by instance
-// (stable: pixels in order), a thread for each instance adds up what its fragments contribute; a thread for each surfel adds up
-// its instances in the order of their tiles and goes back to the raw values. So every sum of floats has one owner and one order.
+// The reverse of the passes. Blending again, with a FragmentSink, lists the fragments of each pixel in depth order and marks the
+// pixels of each instance, which gives the place of every fragment among those of its instance without a sort; a thread for each
+// pixel goes through its list back to front and leaves the gradients of each fragment's alpha and z there; 32 threads for each
+// instance add up what its fragments contribute, each those of eight pixels; a thread for each surfel adds up its instances in
+// the order of their tiles and goes back to the raw values. So every sum of floats has one owner and one order.
 #pragma once
 
 #include "core/render/raster/blocks/blend_kernel.h"
@@ -27,6 +28,50 @@ VITRINE_HD inline SplatSample<F32> sample_of(const SurfelRecord& record, uint32_
   return splat_sample(record.constants, px, py);
 }
 
+// Of the fragments, instance by instance, each in the order of its pixels.
+struct InstanceFragments {
+  const uint32_t* offsets;  // of each instance: the fragments of those before it
+  PixelMasks masks;
+  struct Values {
+    float transmittance, grad_alpha, grad_z;
+  };
+  Values* values;
+};
+
+// values[i] = 0.
+struct ClearKernel {
+  static constexpr uint32_t kThreads = 256;
+  using Shared = NoShared;
+  using Thread = NoThread;
+  uint32_t* values;
+  size_t size;
+
+  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
+  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
+    const size_t i = size_t{at.block} * kThreads + at.thread;
+    if (i < size) values[i] = 0;
+  }
+};
+
+// Fragments of each instance.
+struct MaskCountKernel {
+  static constexpr uint32_t kThreads = 128;
+  using Shared = NoShared;
+  using Thread = NoThread;
+  PixelMasks masks;
+  uint32_t* counts;
+  uint32_t instances;
+
+  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
+  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
+    const uint32_t i = at.block * kThreads + at.thread;
+    if (i >= instances) return;
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < PixelMasks::kWords; ++k) sum += bit_count(masks.of(i)[k]);
+    counts[i] = sum;
+  }
+};
+
 template <int kFeatures, bool kDistortion>
 struct PixelReverseKernel {
   static constexpr uint32_t kThreads = 128;
@@ -37,6 +82,7 @@ struct PixelReverseKernel {
   const uint32_t* offsets;  // of each pixel, into the fragments
   const uint32_t* counts;   // of each pixel
   FragmentList fragments;
+  InstanceFragments out;
   GradientPlanes in;
   uint32_t pixels;
 
@@ -66,9 +112,11 @@ struct PixelReverseKernel {
       const F32 k = distortion_scale(F32(view.near_z), F32(view.far_z));
       spread = k * k * in.at(in.distortion, pixel);
     }
+    const uint32_t width = static_cast<uint32_t>(view.width), place = PixelMasks::place(pixel % width, pixel / width);
     F32 behind = 0.f;  // sum of w V behind the fragment
     for (uint32_t i = end; i-- > begin;) {
-      const SurfelRecord& record = instances.record(fragments.instance[i]);
+      const uint32_t instance = fragments.instance[i];
+      const SurfelRecord& record = instances.record(instance);
       const SplatSample<F32> f = sample_of(record, pixel, view);
       const F32 through(fragments.transmittance[i]), w = blend_weight(f.alpha, through), inv_z = reciprocal(f.z),
                                                      q = inv_z - pivot;
@@ -79,93 +127,102 @@ struct PixelReverseKernel {
       }
       if (i == median) grad_z += grad_median;
       for (int c = 0; c < kFeatures; ++c) value += F32(record.features[c]) * g[c];
-      fragments.grad_alpha[i] = blend_vjp(through, value, behind, reciprocal(F32(1.f) - f.alpha)).v;
-      fragments.grad_z[i] = grad_z.v;
+      out.values[out.offsets[instance] + out.masks.rank(instance, place)] = {
+          through.v, blend_vjp(through, value, behind, reciprocal(F32(1.f) - f.alpha)).v, grad_z.v};
       behind += w * value;
     }
   }
 };
 
-// Sums over the fragments of a surfel in a tile.
+// Sums over the fragments of a surfel in a tile. In memory: the moments, the blended channels, weight and error.
 struct InstanceSums {
+  static constexpr uint32_t kMoments = sizeof(SplatMoments<F32>) / sizeof(F32);
+  VITRINE_HD static constexpr uint32_t values_of(uint32_t features) { return kMoments + features + 2; }
   SplatMoments<F32> moments;
   F32 features[kMaxFeatures], weight, error;
+
   VITRINE_HD void clear() {
     moments = {};
     for (F32& f : features) f = 0.f;
     weight = error = 0.f;
   }
-  VITRINE_HD void add(const InstanceSums& o) {
-    const SplatMoments<F32>& m = o.moments;
-    moments.num_u += m.num_u;
-    moments.num_u_x += m.num_u_x;
-    moments.num_u_y += m.num_u_y;
-    moments.num_v += m.num_v;
-    moments.num_v_x += m.num_v_x;
-    moments.num_v_y += m.num_v_y;
-    moments.den += m.den;
-    moments.den_x += m.den_x;
-    moments.den_y += m.den_y;
-    moments.disc_x += m.disc_x;
-    moments.disc_y += m.disc_y;
-    moments.weight += m.weight;
-    moments.z0 += m.z0;
-    for (size_t c = 0; c < kMaxFeatures; ++c) features[c] += o.features[c];
-    weight += o.weight;
-    error += o.error;
+  // visit(value, its place in memory)
+  template <class Visit>
+  VITRINE_HD void for_each(uint32_t feature_count, const Visit& visit) {
+    SplatMoments<F32>& m = moments;
+    F32* const all[] = {&m.num_u, &m.num_u_x, &m.num_u_y, &m.num_v,  &m.num_v_x, &m.num_v_y, &m.den,
+                        &m.den_x, &m.den_y,   &m.disc_x,  &m.disc_y, &m.weight,  &m.z0};
+    static_assert(sizeof all / sizeof all[0] == kMoments);
+#ifdef __CUDA_ARCH__
+#pragma unroll
+#endif
+    for (uint32_t k = 0; k < kMoments; ++k) visit(*all[k], k);
+#ifdef __CUDA_ARCH__
+#pragma unroll
+#endif
+    for (uint32_t c = 0; c < kMaxFeatures; ++c)
+      if (c < feature_count) visit(features[c], kMoments + c);
+    visit(weight, kMoments + feature_count);
+    visit(error, kMoments + feature_count + 1);
   }
 };
 
-// Keys for the sort of the fragments: their instance.
-struct FragmentKeyKernel {
-  static constexpr uint32_t kThreads = 128;
-  using Shared = NoShared;
-  using Thread = NoThread;
-  const uint32_t* instance;
-  SortedPairs out;
-  uint32_t size;
-
-  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
-  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
-    const uint32_t i = at.block * kThreads + at.thread;
-    if (i >= size) return;
-    out.keys[i] = instance[i];
-    out.values[i] = i;
-  }
-};
-
+// 32 threads for each instance: thread k adds up pixels k, k + 32, ... of the tile, then a thread for each value adds up the 32.
 template <int kFeatures>
 struct InstanceReverseKernel {
-  static constexpr uint32_t kThreads = 128;
-  using Shared = NoShared;
+  static constexpr uint32_t kThreads = 128, kLanes = 32, kOfBlock = kThreads / kLanes;
+  static constexpr uint32_t kValues = InstanceSums::values_of(kFeatures);
+  static_assert(kValues <= kLanes);
+  struct Shared {
+    float sums[kOfBlock][kValues][kLanes + 1];  // a lane more: the threads of a phase then meet in no bank
+  };
   using Thread = NoThread;
   BlockView view;
   SweptInstances instances;
-  const uint32_t* place;  // of each sorted instance among those of all surfels, surfel by surfel
-  SortedPairs sorted;     // fragments by instance
-  FragmentList fragments;
+  const uint64_t* keys;   // of the sorted instances
+  const uint32_t* place;  // of each among those of all surfels, surfel by surfel
+  InstanceFragments fragments;
   GradientPlanes in;
-  InstanceSums* out;
-  uint32_t instance_count, fragment_count;
+  float* out;  // [instances, kValues]
+  uint32_t instance_count;
 
-  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
-  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
-    const uint32_t instance = at.block * kThreads + at.thread;
+  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 2; }
+  VITRINE_HD void run(uint32_t phase, Place at, Thread&, Shared& shared) const {
+    const uint32_t of_block = at.thread / kLanes, lane = at.thread % kLanes, instance = at.block * kOfBlock + of_block;
     if (instance >= instance_count) return;
+    if (phase == 0) {
+      InstanceSums sums = sums_of(instance, lane);
+      sums.for_each(kFeatures, [&](const F32& value, uint32_t k) { shared.sums[of_block][k][lane] = value.v; });
+    } else if (lane < kValues) {
+      F32 sum = 0.f;
+      for (uint32_t k = 0; k < kLanes; ++k) sum += F32(shared.sums[of_block][lane][k]);
+      out[size_t{kValues} * place[instance] + lane] = sum.v;
+    }
+  }
+  VITRINE_HD InstanceSums sums_of(uint32_t instance, uint32_t lane) const {
+    constexpr uint32_t kSide = BlockView::kTileSide;
     InstanceSums sums;
     sums.clear();
     const SurfelRecord& record = instances.record(instance);
-    for (uint32_t k = first_at_least(sorted.keys, fragment_count, instance); k < fragment_count && sorted.keys[k] == instance;
-         ++k) {
-      const uint32_t i = sorted.values[k], pixel = fragments.pixel[i];
+    const uint32_t tile = static_cast<uint32_t>(keys[instance] >> InstanceKey::kTileAt),
+                   across = static_cast<uint32_t>(view.tiles_x);
+    const uint32_t corner = tile / across * kSide * static_cast<uint32_t>(view.width) + tile % across * kSide;
+    uint32_t next = fragments.offsets[instance];
+    for (uint32_t word = 0; word < PixelMasks::kWords; ++word) {
+      const uint32_t mask = fragments.masks.of(instance)[word], bit = 1u << lane, place_in_tile = word * kLanes + lane;
+      const uint32_t at = next + bit_count(mask & (bit - 1));
+      next += bit_count(mask);
+      if ((mask & bit) == 0) continue;
+      const uint32_t pixel = corner + place_in_tile / kSide * static_cast<uint32_t>(view.width) + place_in_tile % kSide;
+      const InstanceFragments::Values values = fragments.values[at];
       const SplatSample<F32> f = sample_of(record, pixel, view);
-      const F32 w = blend_weight(f.alpha, F32(fragments.transmittance[i]));
-      sums.moments.add(splat_sample_vjp(f, F32(fragments.grad_alpha[i]), F32(fragments.grad_z[i])), f.dx, f.dy);
+      const F32 w = blend_weight(f.alpha, F32(values.transmittance));
+      sums.moments.add(splat_sample_vjp(f, F32(values.grad_alpha), F32(values.grad_z)), f.dx, f.dy);
       for (int c = 0; c < kFeatures; ++c) sums.features[c] += w * in.at(in.features[c], pixel);
       sums.weight += w;
       sums.error += w * in.at(in.error, pixel);
     }
-    out[place[instance]] = sums;
+    return sums;
   }
 };
 
@@ -184,7 +241,8 @@ struct SurfelReverseKernel {
   SurfelArrays surfels;
   BlockView view;
   const SurfelRecord* records;
-  const InstanceSums* sums;
+  const float* sums;  // of InstanceReverseKernel, for so many channels
+  uint32_t features;
   const uint32_t* offsets;  // of each surfel, into the sums
   uint32_t instances;
   SurfelGradients out;
@@ -196,7 +254,9 @@ struct SurfelReverseKernel {
     const uint32_t begin = offsets[i], end = i + 1 < surfels.count ? offsets[i + 1] : instances;
     InstanceSums sum;
     sum.clear();
-    for (uint32_t k = begin; k < end; ++k) sum.add(sums[k]);
+    const uint32_t values = InstanceSums::values_of(features);
+    for (uint32_t k = begin; k < end; ++k)
+      sum.for_each(features, [&](F32& to, uint32_t value) { to += F32(sums[size_t{values} * k + value]); });
     out.weight[i] = sum.weight.v;
     out.error[i] = sum.error.v;
     SurfelGeometry<F32> g;
