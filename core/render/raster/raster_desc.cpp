@@ -5,6 +5,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/parallel.h"
 #include "core/render/raster/blocks/block_pass.h"
+#include "core/render/raster/device.h"
 #include "core/render/raster/renderer.h"
 
 namespace vitrine {
@@ -54,6 +55,7 @@ std::unique_ptr<Renderer> make_renderer(Backend backend, Simd simd) {
     case Backend::Blocks:
       return make_blocks_renderer();
     case Backend::Cpu:
+      if (simd == Simd::Best && chosen_device() != nullptr) return make_blocks_renderer(chosen_device()());
       break;
   }
   return make_cpu_renderer(simd);

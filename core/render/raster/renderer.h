@@ -50,13 +50,14 @@ class Renderer {
   virtual std::string_view numerics_tag() const = 0;
 };
 
-// Blocks: the kernels for a GPU as loops on the CPU (blocks/block_kernel.h); for tests.
+// Cpu: on the device that use_device() chose (device.h), if it chose one. Blocks: the kernels for a GPU as loops on the CPU
+// (blocks/block_kernel.h); for tests.
 enum class Backend { Reference, Cpu, Blocks };
 // Instruction set of Backend::Cpu. Best: the widest that the machine supports, unless the environment variable VITRINE_SIMD is
 // "avx2" or "avx512".
 enum class Simd { Best, Avx2, Avx512 };
 bool machine_has(Simd simd);
-// Throws Error{Device} if the machine does not support `simd`.
+// Throws Error{Device} if the machine does not support `simd`. Best: an instruction set that is named is that of the CPU.
 std::unique_ptr<Renderer> make_renderer(Backend backend, Simd simd = Simd::Best);
 
 }  // namespace vitrine
