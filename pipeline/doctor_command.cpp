@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/graphics_card.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/terminal.h"
@@ -65,6 +66,23 @@ std::optional<Colmap> find_colmap() {
   return colmap;
 }
 
+// Never missing: nothing needs a card.
+void print_graphics_card() {
+  bool kernels = false;
+  try {
+    kernels = has_device_kernels(load_graph(stage_folder()));
+  } catch (const Error&) {  // reported with the stages
+  }
+  const char* of_build = kernels ? "" : "; this build has no kernels for it (there was no nvcc)";
+  const GraphicsCardSearch found = find_graphics_card();
+  if (const auto& card = found.card)
+    fmt::print("  GPU     {}, {}, compute capability {}.{}, driver for CUDA {}.{}{}\n", card->name,
+               bytes_text(card->memory_bytes), card->capability / 10, card->capability % 10, card->driver / 1000,
+               card->driver % 1000 / 10, kernels ? ": --device cuda" : of_build);
+  else
+    fmt::print("  GPU     none: {}{}\n", found.why_not, of_build);
+}
+
 // ffmpeg and ffprobe, which decode films.
 void print_films(std::vector<std::string>& missing) {
   const auto ffmpeg = find_program("ffmpeg");
@@ -113,7 +131,7 @@ int doctor_command(const Words& words) {
   const size_t limit = cgroup_memory_limit();
   fmt::print("  RAM     {} free of {}{}\n", bytes_text(meminfo("MemAvailable")), bytes_text(meminfo("MemTotal")),
              limit != 0 ? fmt::format("  (cgroup limit {})", bytes_text(limit)) : std::string());
-  fmt::print("  GPU     not used by this version\n");
+  print_graphics_card();
   if (const auto colmap = find_colmap()) {
     fmt::print("  colmap  {} at {}\n", colmap->version, colmap->path);
   } else {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/graphics_card.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/process.h"
@@ -60,6 +61,7 @@ StageNode describe_stage(const fs::path& executable, const std::string& name) {
   if (d.contains("report")) node.report = parse_stage_report(d["report"].dump());
   node.doing = d.value("doing", "");
   node.has_cost = d.value("has_cost", false);
+  node.devices = d.value("devices", std::vector<std::string>());
   return node;
 }
 
@@ -119,6 +121,15 @@ std::vector<NodeInput> Graph::outside_inputs() const {
       if (!input.artifact && !known) all.push_back(input);
     }
   return all;
+}
+
+bool has_device_kernels(const Graph& graph) {
+  return std::ranges::any_of(graph.nodes, [](const StageNode& n) { return std::ranges::count(n.devices, "cuda") > 0; });
+}
+
+std::string why_no_device(const Graph& graph) {
+  if (!has_device_kernels(graph)) return "this build has no kernels for a GPU (there was no nvcc)";
+  return find_graphics_card().why_not;
 }
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }

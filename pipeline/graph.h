@@ -27,10 +27,11 @@ struct StageNode {
   int version = 1;
   fs::path executable;
   std::vector<NodeInput> inputs;
-  std::string description;  // JSON of --describe, with the options
-  std::string doing;        // description for messages
-  StageReport report;       // figures and facts for report.html
-  bool has_cost = false;    // supports --cost
+  std::string description;           // JSON of --describe, with the options
+  std::string doing;                 // description for messages
+  StageReport report;                // figures and facts for report.html
+  bool has_cost = false;             // supports --cost
+  std::vector<std::string> devices;  // words of --device that this build has; empty: no --device
 };
 
 class Graph {
@@ -44,6 +45,11 @@ class Graph {
   // Names of external inputs (photos, truth), in order of first use.
   std::vector<NodeInput> outside_inputs() const;
 };
+
+// Whether a stage was built with kernels for a GPU.
+bool has_device_kernels(const Graph& graph);
+// The reason for which the stages cannot compute on a GPU; empty: they can.
+std::string why_no_device(const Graph& graph);
 
 // Throws an error for a stage program that a signal ended (result.signal != 0).
 [[noreturn]] void throw_ended_by_signal(std::string_view stage, const ProcessResult& result);

@@ -143,7 +143,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
 
 int render_command(const Words& words) {
   PictureArguments a;
-  std::string camera;
+  std::string camera, device;
   bool layers = false, without_medium = false;
   PictureTool tool{.name = "render",
                    .folder = "render",
@@ -154,6 +154,7 @@ int render_command(const Words& words) {
                   "Pictures of the trained scene. PROJECT is the output folder of `vitrine run`; default: the current folder.");
   cli.value("camera", 0, "KIND", camera,
             "perspective, or equirect: the whole sphere around each camera, 2:1; default: perspective.");
+  cli.value("device", 0, "cpu|cuda|auto", device, "Where pictures are computed; auto: a GPU where one is usable.");
   cli.flag("layers", 'l', layers, "Also write what the pictures are made of, as EXR.");
   cli.flag("without-medium", 0, without_medium, "Without the water or haze of the photos.");
   add_picture_options(cli, a, tool);
@@ -164,6 +165,7 @@ int render_command(const Words& words) {
   }
   if (layers) tool.words = {"--set", "layers=true"};
   if (without_medium) tool.words.insert(tool.words.end(), {"--set", "without_medium=true"});
+  if (!device.empty()) tool.words.insert(tool.words.end(), {"--device", device});
   if (!camera.empty()) tool.words.insert(tool.words.end(), {"--set", "camera=" + camera});
   return run_picture_tool(tool, picture_project(rest), a);
 }

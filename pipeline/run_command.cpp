@@ -25,7 +25,8 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, objects, normals, depth, truth, grey_card, scale_bar, max_memory, device,
+      log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0, frames = 0, blocks = 0;
@@ -77,6 +78,8 @@ CommandLine run_command_line(RunArguments& a) {
   cli.section("machine");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Results do not depend on it.");
   cli.value("max-memory", 0, "SIZE", a.max_memory, "Memory to stay below: 4GiB, 80%.");
+  cli.value("device", 0, "cpu|cuda|auto", a.device,
+            "Where pictures are computed in training and evaluation; auto: a GPU where one is usable.");
   cli.value("max-gaussians", 0, "N", a.max_gaussians, 1, "Most Gaussians (the option max_gaussians of the stage that has it).");
   cli.value("blocks", 0, "N", a.blocks, 1,
             "For scenes larger than memory: split by place into N blocks, which are trained one after the other and joined.");
@@ -150,6 +153,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   if (a.frames > 0) flag("ingest.frames", std::to_string(a.frames), "--frames");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
+  flag("limits.device", a.device, "--device");
   // Of the stage that has the option.
   const auto flag_of_stage = [&](const std::string& name, int value, const std::string& origin) {
     if (value <= 0) return;
@@ -271,6 +275,8 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
   opened = true;
   if (!replaced.empty()) report.note(replaced);
   for (const std::string& note : measured) report.note(note);
+  if (settings.text("limits.device") == "auto")
+    if (const std::string why = why_no_device(graph); !why.empty()) report.note("note: --device auto takes the CPU: " + why);
   if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),

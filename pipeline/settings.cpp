@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/graphics_card.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/config/schema.h"
 #include "core/foundation/config/text.h"
@@ -80,10 +81,15 @@ Settings::Settings(const Graph& graph) {
   for (const NodeInput& input : graph.outside_inputs())
     options.add("input." + input.name, "string", "",
                 input.doc + (input.optional ? " \"none\": leave it out even if it is found." : ""));
-  options.table.groups.push_back(
-      {"limits", "What the machine may give. Results do not depend on it, except that little memory can mean fewer surfels."});
+  options.table.groups.push_back({"limits",
+                                  "What the machine may give. Results do not depend on it, except that little memory can mean "
+                                  "fewer surfels, and a GPU other roundings."});
   options.add("limits.threads", "int", "0", "Threads; 0 = all.").low = 0;
   options.add("limits.memory", "string", "", "Memory to stay below: 4GiB, 80%; empty = no limit.");
+  options
+      .add("limits.device", "string", "cpu",
+           "What computes pictures in training and evaluation: cpu, cuda, or auto: a GPU if usable.")
+      .choices = {kDeviceWords.begin(), kDeviceWords.end()};
   for (const StageNode& node : graph.nodes) {
     options.table.groups.push_back({node.name, node.summary});
     options.add_json(node.description, node.name);
@@ -226,6 +232,8 @@ std::vector<std::string> Settings::stage_arguments(const StageNode& node) const 
     std::replace(origin.begin(), origin.end(), '|', '/');
     words.insert(words.end(), {"--set-from", fmt::format("{}|{}={}", origin, o.path.substr(stem.size()), o.text())});
   }
+  if (const std::string device = text("limits.device"); !node.devices.empty() && device != kDeviceWords[0])
+    words.insert(words.end(), {"--device", device});
   return words;
 }
 

@@ -36,7 +36,7 @@ class Settings {
   std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
 
   std::string text(std::string_view path) const;  // of an existing option
-  // `--set-from ORIGIN|option=value` for every option of the stage that differs from its default.
+  // `--set-from ORIGIN|option=value` for every option of the stage that differs from its default, and `--device`.
   std::vector<std::string> stage_arguments(const StageNode& node) const;
 
  private:

@@ -15,6 +15,7 @@
 
 #include "core/foundation/artifact/stage_cost.h"
 #include "core/foundation/artifact/stage_report.h"
+#include "core/foundation/base/graphics_card.h"
 #include "core/foundation/config/describe.h"
 
 namespace vitrine {
@@ -40,6 +41,7 @@ struct StageInfo {
   std::string doing = {};                         // description for messages: "finding the camera poses"
   StageCost (*cost)(const CostTerms&) = nullptr;  // cost estimate
   StageReport report = {};                        // figures and facts for report.html
+  DeviceUse device = {};                          // not empty: it has --device; its fingerprints name the numerics
 };
 
 struct Progress {                        // progress report of a running stage

@@ -1,5 +1,9 @@
 #include "stages/stage_cli.h"
 
+#include <algorithm>
+
+#include <fmt/ranges.h>
+
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/json.h"
@@ -9,10 +13,16 @@
 
 namespace vitrine {
 
+using json = nlohmann::ordered_json;
+
 namespace {
 
 CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   CommandLine cli("vitrine-" + info.name, "--input NAME=PATH... --output DIR [options]", info.summary);
+  if (info.device.choose != nullptr) {
+    cli.section("pictures");
+    cli.value("device", 0, "cpu|cuda|auto", a.device, "Where they are computed; auto: a GPU where one is usable.");
+  }
   cli.section("files");
   cli.values("input", 'i', "NAME=PATH", a.inputs, "An input; names are listed below.");
   cli.value("output", 'o', "DIR", a.output, "Folder in which the finished files appear.");
@@ -54,6 +64,9 @@ StageArguments parse_stage_arguments(const StageInfo& info, const std::vector<st
   if (a.log_format != "text" && a.log_format != "json")
     throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format),
                 {.hint = "--log-format json", .code = "USAGE"});
+  if (std::ranges::find(kDeviceWords, a.device) == kDeviceWords.end())
+    throw Error(ErrorKind::Usage, fmt::format("--device must be one of {}, got \"{}\"", fmt::join(kDeviceWords, ", "), a.device),
+                {.hint = "--device auto", .code = "USAGE"});
   return a;
 }
 
@@ -78,6 +91,7 @@ std::string stage_description(const StageInfo& info, const OptionTable& options)
         {{"name", i.name}, {"artifact", i.artifact}, {"optional", i.optional}, {"doc", i.doc}, {"skips", i.skips}});
   out.update(nlohmann::ordered_json::parse(options_to_json(options)));
   out["doing"] = info.doing;
+  if (info.device.choose != nullptr) out["devices"] = info.device.has_kernels() ? json::array({"cpu", "cuda"}) : json::array({"cpu"});
   out["has_cost"] = info.cost != nullptr;
   out["report"] = nlohmann::ordered_json::parse(stage_report_text(info.report));
   return out.dump(1);

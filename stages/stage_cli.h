@@ -16,7 +16,7 @@ struct StageArguments {
   std::string output, store;
   std::vector<std::string> configs, sets, sets_from;
   int threads = 0;
-  std::string max_memory;
+  std::string max_memory, device = "cpu";
   std::string cost;
   bool force = false, print_key = false, describe = false, help = false, version = false;
   std::string events, log_file, log_format = "text";

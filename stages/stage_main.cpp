@@ -96,6 +96,7 @@ class Run : public StageContext {
                    .code = "USAGE"});
     if (!arguments_.max_memory.empty()) max_memory_ = parse_bytes(arguments_.max_memory, machine_memory_bytes(), "--max-memory");
     set_thread_limit(arguments_.threads);
+    choose_device();
     if (arguments_.output.empty() && arguments_.store.empty())
       throw Error(ErrorKind::Usage, "no place for the result", {.hint = "--output DIR", .code = "USAGE"});
     const fs::path root =
@@ -164,6 +165,15 @@ class Run : public StageContext {
           throw Error(ErrorKind::Usage, fmt::format("the output folder lies inside the folder of {}", input.name),
                       {.where = fs::absolute(place).string(), .hint = "choose another one with --output", .code = "USAGE"});
     }
+  }
+
+  // Before the key, which has the numerics of the device.
+  void choose_device() const {
+    if (stage_.info.device.choose == nullptr) return;
+    const auto word = std::ranges::find(kDeviceWords, arguments_.device);
+    const std::string why_cpu = stage_.info.device.choose(static_cast<Device>(word - kDeviceWords.begin()));
+    if (!why_cpu.empty() && !arguments_.print_key && !reporter_.json_console)
+      log_info("note: --device auto takes the CPU: {}", why_cpu);
   }
 
   void fit_into_memory() {

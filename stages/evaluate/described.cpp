@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/render/raster/device.h"
 #include "core/render/raster/renderer.h"
 #include "stages/evaluate/evaluate.h"
 #include "stages/training_cost.h"
@@ -50,6 +51,7 @@ Stage evaluate_stage() {
   info.doing = "measuring";
   info.cost = evaluate_cost;
   info.report = evaluate_report();
+  info.device = kRasterDevice;
   return make_stage<EvaluateConfig>(std::move(info), run_evaluate, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });

@@ -1,3 +1,4 @@
+#include "core/render/raster/device.h"
 #include "core/render/raster/renderer.h"
 #include "stages/optimize/blocks.h"
 #include "stages/optimize/optimize.h"
@@ -76,7 +77,8 @@ Stage optimize_stage() {
                             {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}},
                  .doing = "training",
                  .cost = optimize_cost,
-                 .report = optimize_report()};
+                 .report = optimize_report(),
+                 .device = kRasterDevice};
   Stage stage = make_stage<OptimizeConfig>(
       std::move(info), run_optimize,
       [] {

@@ -1,3 +1,4 @@
+#include "core/render/raster/device.h"
 #include "core/render/raster/renderer.h"
 #include "stages/refine/refine.h"
 #include "stages/training_cost.h"
@@ -29,7 +30,8 @@ Stage refine_stage() {
                  {.name = "mesh", .doc = "The surfaces through which rays enter and leave glass."}},
       .doing = "putting in order what stands behind glass",
       .cost = refine_cost,
-      .report = refine_report()};
+      .report = refine_report(),
+      .device = kRasterDevice};
   return make_stage<RefineConfig>(std::move(info), run_refine, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });

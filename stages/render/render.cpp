@@ -11,6 +11,7 @@
 #include "core/render/picture/picture_frames.h"
 #include "core/render/picture/trained_scene.h"
 #include "core/render/picture/view_picture.h"
+#include "core/render/raster/device.h"
 #include "core/scene/camera/view_set.h"
 #include "core/scene/image/ldr.h"
 
@@ -126,7 +127,8 @@ Stage render_stage() {
                  {.name = "path",
                   .artifact = false,
                   .optional = true,
-                  .doc = "Cameras in the scene's frame, in order: a transforms.json, or a camera path of nerfstudio's viewer."}}};
+                  .doc = "Cameras in the scene's frame, in order: a transforms.json, or a camera path of nerfstudio's viewer."}},
+      .device = kRasterDevice};
   return make_stage<RenderConfig>(
       std::move(info), run_render,
       [] {

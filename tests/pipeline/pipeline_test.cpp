@@ -74,6 +74,18 @@ TEST_F(Sandbox, OptionsThatDoNotChangeTheResultRerunNothing) {
   EXPECT_EQ(states().at("collect"), "cached");
 }
 
+TEST_F(Sandbox, ADeviceConcernsTheStagesThatHaveIt) {
+  ASSERT_EQ(run().exit, 0);
+  ASSERT_EQ(run({"--device", "cuda"}).exit, 0);
+  EXPECT_EQ(states(), (States{{"collect", "cached"}, {"upper", "ran"}, {"join", "cached"}}));
+  EXPECT_TRUE(run({"--device", "cuda", "--dry-run"}).has("keep  upper"));
+  ASSERT_EQ(run({"--device", "auto"}).exit, 0);
+  EXPECT_EQ(states().at("upper"), "cached") << "as on the CPU";
+  const Outcome wrong = run({"--device", "card"});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_TRUE(wrong.has("cpu, cuda, auto")) << wrong.text;
+}
+
 TEST_F(Sandbox, TouchingAPhotoRerunsNothingAndChangingItReruns) {
   ASSERT_EQ(run().exit, 0);
   fs::last_write_time(photos() / "a.jpg", fs::file_time_type::clock::now() - std::chrono::hours(1));

@@ -108,6 +108,13 @@ void run_join(const JoinConfig& c, StageContext& context) {
   context.summary(fmt::format("{} bytes", text.size()));
 }
 
+std::string numerics = "cpu-1";
+
+std::string choose_device(Device device) {
+  numerics = device == Device::Cuda ? "cuda-1" : "cpu-1";
+  return device == Device::Auto ? "the slot is empty" : "";
+}
+
 std::string collect_problem(const CollectConfig& c) {
   return c.label == "forbidden" ? "collect.label must not be \"forbidden\": the list would be misread" : "";
 }
@@ -128,9 +135,14 @@ Stage collect_stage() {
       collect_problem);
 }
 Stage upper_stage() {
-  return make_stage<UpperConfig>(
-      {.name = "upper", .version = 1, .summary = "Capital letters.", .inputs = {{.name = "collect", .doc = "The list."}}},
-      run_upper);
+  return make_stage<UpperConfig>({.name = "upper",
+                                  .version = 1,
+                                  .summary = "Capital letters.",
+                                  .inputs = {{.name = "collect", .doc = "The list."}},
+                                  .device = {choose_device, [] { return true; }}},
+                                 run_upper, [] {
+                                   return std::map<std::string, std::string>{{"numerics", numerics}};
+                                 });
 }
 Stage join_stage() {
   return make_stage<JoinConfig>(
