@@ -11,7 +11,6 @@ namespace {
 
 constexpr size_t kChunk = 256;  // surfels per task
 constexpr size_t kWidest = 45;  // floats of the widest attribute
-constexpr size_t kMaxCorrectedStep = 1u << 16;
 static_assert([] {
   for (const AttributeRow& r : kAttributes)
     if (static_cast<size_t>(r.width) > kWidest) return false;
@@ -40,16 +39,11 @@ bool finite(const SplatLayer& grad, size_t i) {
 }  // namespace
 
 Adam::Adam(const SplatLayer& shape, const AdamDesc& desc)
-    : desc_(desc), m_(shape.zeros_like()), v_(shape.zeros_like()), steps_(shape.size(), 0) {
-  correction1_.push_back(1.f);
-  correction2_.push_back(1.f);
-  for (size_t t = 1; t < kMaxCorrectedStep; ++t) {
-    const double power = static_cast<double>(t);
-    correction1_.push_back(static_cast<float>(1 / (1 - std::pow(desc.beta1, power))));
-    correction2_.push_back(static_cast<float>(1 / std::sqrt(1 - std::pow(desc.beta2, power))));
-    if (correction1_.back() == 1.f && correction2_.back() == 1.f) break;
-  }
-}
+    : desc_(desc),
+      m_(shape.zeros_like()),
+      v_(shape.zeros_like()),
+      steps_(shape.size(), 0),
+      corrections_(adam_corrections(desc)) {}
 
 size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
                   const StepFactors& factors) {
@@ -73,9 +67,9 @@ size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span
         continue;
       }
       any = true;
-      const size_t t = std::min<size_t>(++steps_[i], correction1_.size() - 1);
-      c1[k] = correction1_[t];
-      c2[k] = correction2_[t];
+      const size_t t = std::min<size_t>(++steps_[i], corrections_.first.size() - 1);
+      c1[k] = corrections_.first[t];
+      c2[k] = corrections_.second[t];
       moves[k] = 1;
     }
     if (!any) return;
@@ -99,9 +93,7 @@ size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span
       float* __restrict x = layer.at(r.id, begin);
       for (size_t j = 0; j < count * width; ++j) {
         const float g = spread.moves[j] != 0 ? gradient[j] : 0.f;
-        m[j] += spread.moves[j] * (1 - b1) * (g - m[j]);
-        v[j] += spread.moves[j] * (1 - b2) * (g * g - v[j]);
-        x[j] -= spread.step[j] * m[j] / (std::sqrt(v[j]) * spread.root[j] + epsilon);
+        adam_update<float>(g, {spread.step[j], spread.root[j], spread.moves[j]}, b1, b2, epsilon, m[j], v[j], x[j]);
       }
     }
   });

@@ -1,7 +1,6 @@
 // Sparse Adam (Kingma and Ba 2015) for a layer of surfels, one step size per attribute: only surfels visible in the picture are
-// updated, and each counts its own steps for the bias correction:
-//   m <- b1 m + (1-b1) g    v <- b2 v + (1-b2) g^2    x <- x - rate * m/(1-b1^t) / (sqrt(v/(1-b2^t)) + eps)
-// A surfel with a non-finite gradient is skipped and counted.
+// updated, and each counts its own steps for the bias correction (adam_update.h). A surfel with a non-finite gradient is skipped
+// and counted.
 #pragma once
 
 #include <array>
@@ -9,15 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "core/learn/optim/adam_update.h"
 #include "core/learn/optim/archive.h"
 #include "core/scene/surfels/layers.h"
 
 namespace vitrine {
-
-struct AdamDesc {
-  double beta1 = 0.9, beta2 = 0.999;
-  float epsilon = 1e-15f;  // tiny: gradients of means over an image are tiny themselves
-};
 
 // Factors on a surfel's step sizes, [n] or empty. (Applied to the step, since Adam cancels the scale of the gradient.)
 struct StepFactors {
@@ -47,7 +42,7 @@ class Adam {
   AdamDesc desc_;
   SplatLayer m_, v_;
   std::vector<uint32_t> steps_;
-  std::vector<float> correction1_, correction2_;  // 1/(1-b1^t) and 1/sqrt(1-b2^t) by t, until they reach 1
+  AdamCorrections corrections_;
 };
 
 // Moves the surfels at `kept` (ascending) to the front and drops the rest.
