@@ -4,6 +4,8 @@
 // The moments mu_x, E[x^2], E[xy] are linear in the window, so the gradient of an image is the blurred partial derivatives.
 #pragma once
 
+#include "core/foundation/math/vec.h"
+
 namespace vitrine {
 
 inline constexpr int kSsimRadius = 5;  // 11x11 window
@@ -20,7 +22,7 @@ struct SsimPoint {
 };
 
 template <class T>
-SsimPoint<T> ssim_point(const SsimMoments<T>& m) {
+VITRINE_HD SsimPoint<T> ssim_point(const SsimMoments<T>& m) {
   const T c1 = T{} + kSsimC1, c2 = T{} + kSsimC2;
   const T mu_xy = m.mu_x * m.mu_y, mu_xx = m.mu_x * m.mu_x, mu_yy = m.mu_y * m.mu_y;
   const T a1 = mu_xy + mu_xy + c1, a2 = (m.xy - mu_xy) + (m.xy - mu_xy) + c2;
