@@ -1,5 +1,6 @@
-// The passes, forward and reverse, on a CUDA device against the same kernels run as loops on the CPU: bytes must be equal, also
-// from run to run. Prints the time of each kernel. Exit codes: 0 equal, 1 different, 7 no device.
+// The passes, forward and reverse, and whole training steps on a CUDA device against the same kernels run as loops on the CPU:
+// bytes must be equal, also from run to run. Prints the time of each kernel and of steps. Exit codes: 0 equal, 1 different, 7 no
+// device.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +12,8 @@
 #include "core/foundation/base/error.h"
 #include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/renderer.h"
+#include "tests/bench/gpu_steps.h"
+#include "tests/support/block_steps.h"
 #include "tests/support/tiny_scenes.h"
 
 namespace vitrine {
@@ -81,15 +84,41 @@ void print_times(const TinyScene& scene) {
   std::printf("  %8.3f ms  all kernels\n", sum);
 }
 
+// Bytes of the surfels after training steps.
+bool check_steps() {
+  constexpr int kSteps = 10;
+  const test::StepScene scene(800, 90, 60, 2);
+  const blocks::BlockLoops loops;
+  blocks::StepBlocks<blocks::BlockLoops> here(loops, scene.start());
+  test::take_steps(here, test::add_photos(here, scene, loops), 2 * kSteps);
+  const size_t different = differences(here.values(), gpu_steps(800, 90, 60, kSteps).values);
+  std::printf("%d training steps: %zu floats differ from the loops on the CPU\n", 2 * kSteps, different);
+  return different == 0;
+}
+
+void print_steps(uint32_t surfels, int width, int height) {
+  constexpr int kSteps = 50;
+  std::map<std::string, double> kernels;
+  const GpuSteps steps = gpu_steps(surfels, width, height, kSteps);
+  gpu_steps(surfels, width, height, kSteps, &kernels);
+  std::printf("step, %d x %d, %u surfels: %.3f ms (L1 %.4f)\n", width, height, surfels, steps.ms, steps.l1);
+  for (const auto& [kernel, ms] : kernels) std::printf("  %8.3f ms  %s\n", ms / kSteps, kernel.c_str());
+}
+
 int run(bool small) {
   const auto device = make_blocks_renderer(make_cuda_pass());
   bool equal = true;
   for (const TinyScene& scene : scenes(small))
     for (const FeatureSet features : {FeatureSet::ColorOnly, FeatureSet::Surface, FeatureSet::Material})
       equal = check(*device, scene, features) && equal;
+  equal = check_steps() && equal;
   std::printf("%s\n", equal ? "equal: device, loops on the CPU, and the second run on the device" : "the bytes differ");
   for (const TinyScene& scene : scenes(small))
     if (scene.layer.size() > 1000) print_times(scene);
+  if (!small) {
+    print_steps(50000, 480, 270);
+    print_steps(300000, 1280, 800);
+  }
   return equal ? 0 : 1;
 }
 

@@ -109,5 +109,17 @@ TEST(DeviceUsage, KernelsOfThePassesStayInTheirRegisters) {
                                        {"SurfelReverseKernel", 128}});
 }
 
+TEST(DeviceUsage, KernelsOfTrainingStayInTheirRegisters) {
+  expect_registers("gpu_steps.usage", {{"DisplayKernel", 40},
+                                       {"DisplayReverseKernel", 40},
+                                       {"TreeSumKernel", 32},
+                                       {"L1Kernel", 40},
+                                       {"SsimKernel", 64},
+                                       {"SsimGradientKernel", 64},
+                                       {"AdamSurfelKernel", 40},
+                                       {"AdamUpdateKernel", 40},
+                                       {"ActiveKernel", 32}});
+}
+
 }  // namespace
 }  // namespace vitrine
