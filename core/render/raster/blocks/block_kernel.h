@@ -54,9 +54,9 @@ struct ExecutorFailure : std::runtime_error {
 };
 // It gave no more memory, in bytes.
 struct ExecutorMemory : ExecutorFailure {
-  ExecutorMemory(size_t asked_for, size_t held_already, size_t left)
-      : ExecutorFailure("too little memory"), asked(asked_for), held(held_already), free(left) {}
-  size_t asked, held, free;
+  ExecutorMemory(size_t needed_now, size_t held_already, size_t left)
+      : ExecutorFailure("too little memory"), needed(needed_now), held(held_already), free(left) {}
+  size_t needed, held, free;
 };
 // More items than 32 bits count. `what`: of which kind.
 struct ExecutorOverflow : ExecutorFailure {

@@ -137,10 +137,10 @@ class BlocksRenderer final : public Renderer {
       run();
     } catch (const ExecutorMemory& e) {
       // The greater part of the memory grows with the surfels and with the pixels; the reverse pass takes as much again.
-      const double share = 0.5 * static_cast<double>(e.held + e.free) / static_cast<double>(e.held + e.asked);
+      const double share = 0.5 * static_cast<double>(e.held + e.free) / static_cast<double>(e.held + e.needed);
       throw Error(ErrorKind::Resource, "the device has too little memory",
                   {.where = place(),
-                   .why = fmt::format("{} more are needed, {} are free, {} are in use", bytes_text(e.asked), bytes_text(e.free),
+                   .why = fmt::format("{} more are needed, {} are free, {} are in use", bytes_text(e.needed), bytes_text(e.free),
                                       bytes_text(e.held)),
                    .hint = smaller(std::min(share, 0.9)),
                    .code = "DEVICE_MEMORY"});
