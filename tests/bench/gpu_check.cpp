@@ -89,8 +89,11 @@ bool check_steps() {
   constexpr int kSteps = 10;
   const test::StepScene scene(800, 90, 60, 2);
   const blocks::BlockLoops loops;
-  blocks::StepBlocks<blocks::BlockLoops> here(loops, scene.start());
-  test::take_steps(here, test::add_photos(here, scene, loops), 2 * kSteps);
+  blocks::StepBlocks<blocks::BlockLoops> here(loops, scene.start(), 800 + 40);
+  const auto photos = test::add_photos(here, scene, loops);
+  test::take_steps(here, photos, kSteps);
+  here.relocate(1, kSteps, 0.02, 1.05);
+  test::take_steps(here, photos, kSteps);
   const size_t different = differences(here.values(), gpu_steps(800, 90, 60, kSteps).values);
   std::printf("%d training steps: %zu floats differ from the loops on the CPU\n", 2 * kSteps, different);
   return different == 0;

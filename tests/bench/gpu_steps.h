@@ -14,8 +14,8 @@ struct GpuSteps {
   std::vector<std::vector<float>> values;  // of the surfels after it, column by column
 };
 
-// Twice `steps` steps of tests/support/block_steps.h; the second half is measured. kernel_ms: times of kernels by name in that
-// half, added up; each kernel is then waited for.
+// Twice `steps` steps of tests/support/block_steps.h with a relocation between; the second half is measured. kernel_ms: times of
+// kernels by name in that half, added up; each kernel is then waited for.
 GpuSteps gpu_steps(uint32_t surfels, int width, int height, int steps, std::map<std::string, double>* kernel_ms = nullptr);
 
 }  // namespace vitrine

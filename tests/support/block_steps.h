@@ -38,7 +38,7 @@ class StepScene {
   // Display-referred pictures of the truth.
   template <class Executor>
   std::vector<float> photo(Executor executor, const blocks::BlockView& view) const {
-    blocks::StepBlocks<Executor> renderer(executor, truth());
+    blocks::StepBlocks<Executor> renderer(executor, truth(), count_);
     return renderer.picture({view, {1.f, 1.f, 1.f}, 0});
   }
 

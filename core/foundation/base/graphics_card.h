@@ -25,13 +25,16 @@ struct DeviceUse {
 struct GraphicsCard {
   std::string name;
   size_t memory_bytes = 0;
-  int capability = 0;  // 10 major + minor: 80 is an A100, 90 an H100
-  int driver = 0;      // newest CUDA version that the driver knows: 1000 major + 10 minor
+  // 10 major + minor: 80 is an A100, 90 an H100.
+  int capability = 0;
+  // Newest CUDA version that the driver knows: 1000 major + 10 minor.
+  int driver = 0;
 };
 struct GraphicsCardSearch {
   std::optional<GraphicsCard> card;  // the one that CUDA takes first
   std::string why_not;               // there is none
 };
+// Throws nothing. `driver_library`: as dlopen() takes it.
 GraphicsCardSearch find_graphics_card(const char* driver_library = "libcuda.so.1");
 
 }  // namespace vitrine

@@ -7,6 +7,7 @@
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/rng.h"
 #include "core/foundation/math/rigid.h"
+#include "core/learn/optim/densify_rules.h"
 #include "core/learn/optim/rates.h"
 #include "core/scene/surfels/activation.h"
 
@@ -14,20 +15,9 @@ namespace vitrine {
 
 namespace {
 
-// Random number streams by purpose.
-enum : uint64_t { kRelocateStream = 0x4d01, kGrowStream = 0x4d02, kNoiseStream = 0x4d04, kSplitStream = 0x4d05 };
-
-constexpr double kDeadOpacity = 0.01;        // surfels at or below it are relocated (divide)
 constexpr double kGradientThreshold = 2e-4;  // minimum mean screen-space gradient for densification (classic)
 constexpr double kFaintOpacity = 0.05;       // fainter surfels are removed (classic)
-constexpr double kErrorFloor = 0.1;          // fraction of the mean error: surfels without error still get a few copies
-constexpr float kShareDecay = 0.01f;         // weight of one picture in SurfelAccumulator::share
-constexpr float kRarestShare = 1e-3f;
-constexpr double kSplitShrink = 1.6;  // children of a split are smaller by this (Kerbl et al. 2023)
-// Halves of a divided surfel: offset of their centres, in standard deviations of the parent's longer axis, and their relative
-// scales. The sum of the two halves matches the parent's profile along that axis within a quarter up to one and a half
-// deviations.
-constexpr float kHalfOffset = 0.6f, kHalfLong = 0.52f, kHalfShort = 0.95f;
+constexpr double kSplitShrink = 1.6;         // children of a split are smaller by this (Kerbl et al. 2023)
 
 float opacity_of(const SplatLayer& layer, size_t i) { return sigmoid(*layer.at(Attribute::Opacity, i)); }
 
@@ -60,7 +50,7 @@ void divide(SplatLayer& layer, size_t parent, size_t copy) {
   }
 }
 
-// p_i ~ o_i (floor + E_i / mean E): opaque surfels, and more where the picture error is large. Cumulative, unnormalised.
+// Sums of division_chance.
 std::vector<double> cumulative_chances(const SplatLayer& layer, const SurfelAccumulator& accumulator,
                                        const std::vector<uint8_t>& dead) {
   const size_t n = layer.size();
@@ -70,8 +60,7 @@ std::vector<double> cumulative_chances(const SplatLayer& layer, const SurfelAccu
   std::vector<double> cumulative(n);
   double sum = 0;
   for (size_t i = 0; i < n; ++i) {
-    const double error = mean_error > 0 ? kErrorFloor + accumulator.error[i] / mean_error : 1;
-    if (!dead[i]) sum += opacity_of(layer, i) * error;
+    if (!dead[i]) sum += division_chance<double>(opacity_of(layer, i), accumulator.error[i], mean_error);
     cumulative[i] = sum;
   }
   return cumulative;
@@ -198,7 +187,7 @@ void SurfelAccumulator::keep_only(std::span<const uint32_t> kept) {
 void SurfelAccumulator::rarity(float most, std::vector<float>& factor) const {
   const float mean = mean_share(share);
   factor.resize(share.size());
-  for (size_t i = 0; i < share.size(); ++i) factor[i] = std::clamp(mean / std::max(share[i], kRarestShare), 1.f, most);
+  for (size_t i = 0; i < share.size(); ++i) factor[i] = rarity_factor(mean, share[i], most);
 }
 
 void SurfelAccumulator::add(const SurfelStatistics& statistics) {

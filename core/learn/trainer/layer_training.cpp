@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/foundation/math/spherical_harmonics.h"
+#include "core/learn/optim/densify_rules.h"
 #include "core/learn/optim/rates.h"
 
 namespace vitrine {
@@ -12,8 +13,7 @@ namespace {
 // A negative channel renders black and has no gradient (shade.h clamps it), so it would stay black forever: the constant SH
 // term is clamped above zero.
 void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
-  constexpr float kLeast = 1e-3f;  // linear radiance
-  const float least = (kLeast - 0.5f) / kShDc;
+  const float least = (kLeastColour - 0.5f) / kShDc;
   for (size_t i = 0; i < layer.size(); ++i)
     for (size_t c = 0; active[i] && c < 3; ++c)
       layer.at(Attribute::ShDc, i)[c] = std::max(layer.at(Attribute::ShDc, i)[c], least);

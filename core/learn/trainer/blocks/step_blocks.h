@@ -1,32 +1,16 @@
-// Training steps of one opaque layer in the memory of a device: picture, display, L1 and D-SSIM against a photo, reverse, Adam.
-// Besides two counts, which size arrays, nothing is copied from step to step. Over any executor (block_kernel.h); the bytes are
-// the same on all of them.
+// Training steps of one opaque layer in the memory of a device: picture, display, L1 and D-SSIM against a photo, reverse,
+// statistics, Adam; and relocation. Besides two counts, which size arrays, nothing is copied from step to step. Over any executor
+// (block_kernel.h); the bytes are the same on all of them.
 #pragma once
 
 #include <deque>
 
 #include "core/learn/loss/blocks/picture_loss_kernels.h"
-#include "core/learn/optim/blocks/adam_kernels.h"
+#include "core/learn/optim/blocks/relocate_kernels.h"
 #include "core/render/model/blocks/display_kernels.h"
 #include "core/render/raster/blocks/pass_kernels.h"
 
 namespace vitrine::blocks {
-
-// Surfels with weight in the picture take a step.
-struct ActiveKernel {
-  static constexpr uint32_t kThreads = 128;
-  using Shared = NoShared;
-  using Thread = NoThread;
-  const float* weight;
-  uint8_t* active;
-  uint32_t surfels;
-
-  VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
-  VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
-    const uint32_t i = at.block * kThreads + at.thread;
-    if (i < surfels) active[i] = weight[i] > 0.f ? 1 : 0;
-  }
-};
 
 // A photo with its camera.
 struct StepPhoto {
@@ -41,23 +25,27 @@ class StepBlocks {
   // Mean, rotation, log scale, opacity, harmonics: the attributes of an opaque layer.
   static constexpr uint32_t kColumns = 6;
   using Rates = std::array<float, kColumns>;
+  static constexpr float kRarest = 4;  // longest steps of surfels that few photos show
 
-  // `here`: of the host.
-  StepBlocks(const Executor& executor, const SurfelArrays& here, const AdamDesc& adam = {})
-      : executor_(executor), adam_(executor_, adam), count_(here.count), rest_(here.sh_rest_width) {
+  // `here`: of the host. `cap`: most surfels after relocations.
+  StepBlocks(const Executor& executor, const SurfelArrays& here, uint32_t cap, const AdamDesc& adam = {})
+      : executor_(executor), adam_(executor_, adam), count_(here.count), cap_(cap), rest_(here.sh_rest_width) {
     const float* const from[] = {here.mean, here.rotation, here.log_scale, here.opacity, here.sh_dc, here.sh_rest};
     for (uint32_t c = 0; c < kColumns; ++c) {
-      const size_t size = size_t{width(c)} * count_;
-      for (auto* arrays : {&value_, &gradient_, &m_, &v_}) (*arrays)[c].resize(size);
-      executor_.upload(value_[c].data(), from[c], size);
-      const std::vector<float> zeros(size);
-      for (auto* arrays : {&m_, &v_}) executor_.upload((*arrays)[c].data(), zeros.data(), size);
+      const size_t all = size_t{width(c)} * cap;
+      for (auto* arrays : {&value_, &gradient_, &m_, &v_}) (*arrays)[c].resize(all);
+      executor_.upload(value_[c].data(), from[c], size_t{width(c)} * count_);
+      clear(m_[c].data(), all);
+      clear(v_[c].data(), all);
     }
-    for (auto& s : statistics_) s.resize(count_);
-    active_.resize(count_);
-    steps_.resize(count_);
-    const std::vector<uint32_t> none(count_);
-    executor_.upload(steps_.data(), none.data(), count_);
+    for (auto* arrays : {&statistics_, &sums_})
+      for (auto& values : *arrays) values.resize(cap);
+    active_.resize(cap);
+    for (auto* values : {&steps_, &seen_}) values->resize(cap);
+    for (auto* values : {&share_, &rarity_, &distance_}) values->resize(cap);
+    executor_.upload(share_.data(), std::vector<float>(cap, 1.f).data(), cap);
+    clear(steps_.data(), cap);
+    clear_sums();
   }
 
   // [3,h,w], display-referred. Returns its number.
@@ -68,7 +56,7 @@ class StepBlocks {
   }
 
   void step(const StepPhoto& photo, const Rates& rates, const PictureLossWeights& weights) {
-    const PassScene scene{surfels(), photo.view, 3, false, nullptr};
+    const PassScene scene{arrays(), photo.view, 3, false, nullptr};
     const uint32_t pixels = scene.pixels();
     const PixelPlanes planes = forward(scene, photo);
     const PicturePair pair{srgb_.data(), photos_[photo.target].data(), nullptr, static_cast<uint32_t>(photo.view.width),
@@ -89,16 +77,27 @@ class StepBlocks {
     out.weight = statistics_[1].data();
     out.error = statistics_[2].data();
     kernels_.reverse(executor_, scene, planes.fragments, in, out);
-    executor_.launch(ActiveKernel{out.weight, active_.data(), count_}, blocks_for(count_, ActiveKernel::kThreads));
-    AdamColumns columns{};
-    for (uint32_t c = 0; c < kColumns; ++c)
-      columns.column[c] = {gradient_[c].data(), m_[c].data(), v_[c].data(), value_[c].data(), width(c), rates[c], c < 4, c == 0};
-    adam_.step(executor_, columns, active_.data(), {}, steps_.data(), count_);
+    launch(StatisticsKernel{out.weight, out.error, out.screen_gradient, accumulator(), count_});
+    const float* share_sum = tree_sum(executor_, share_sum_, share_.data(), count_);
+    launch(FactorKernel{out.weight, share_.data(), share_sum, value_[0].data(), kRarest, active_.data(), rarity_.data(),
+                        distance_.data(), count_});
+    adam_.step(executor_, columns(rates), active_.data(), {rarity_.data(), nullptr, distance_.data()}, steps_.data(), count_);
+    launch(LeastColourKernel{active_.data(), value_[4].data(), count_});
   }
+
+  // Relocates and grows up to the cap, and starts the statistics again. Waits for the device.
+  typename RelocateBlocks<Executor>::Counts relocate(uint64_t seed, uint64_t step, double idle_weight, double growth) {
+    const auto counts =
+        relocate_.run(executor_, {seed, step, idle_weight, growth, cap_}, columns({}), steps_.data(), accumulator(), count_);
+    count_ += counts.added;
+    clear_sums();
+    return counts;
+  }
+  uint32_t surfels() const { return count_; }
 
   // Display-referred, [3,h,w], from the device.
   std::vector<float> picture(const StepPhoto& photo) {
-    const PassScene scene{surfels(), photo.view, 3, false, nullptr};
+    const PassScene scene{arrays(), photo.view, 3, false, nullptr};
     forward(scene, photo);
     std::vector<float> srgb(size_t{3} * scene.pixels());
     executor_.download(srgb.data(), srgb_.data(), srgb.size());
@@ -124,7 +123,27 @@ class StepBlocks {
     constexpr uint32_t kWidths[] = {3, 4, 2, 1, 3};
     return column < 5 ? kWidths[column] : rest_;
   }
-  SurfelArrays surfels() const {
+  AdamColumns columns(const Rates& rates) {
+    AdamColumns columns{};
+    for (uint32_t c = 0; c < kColumns; ++c)
+      columns.column[c] = {gradient_[c].data(), m_[c].data(), v_[c].data(), value_[c].data(), width(c), rates[c], c < 4, c == 0};
+    return columns;
+  }
+  AccumulatorArrays accumulator() { return {sums_[0].data(), sums_[1].data(), sums_[2].data(), share_.data(), seen_.data()}; }
+  void clear_sums() {
+    for (auto& values : sums_) clear(values.data(), cap_);
+    clear(seen_.data(), cap_);
+  }
+  template <class T>
+  void clear(T* values, size_t size) {
+    executor_.launch(ClearKernel<T>{values, size}, blocks_for(size, ClearKernel<T>::kThreads));
+  }
+  // A thread for each surfel.
+  template <class Kernel>
+  void launch(const Kernel& kernel) {
+    executor_.launch(kernel, blocks_for(kernel.surfels, Kernel::kThreads));
+  }
+  SurfelArrays arrays() const {
     SurfelArrays s{};
     s.mean = value_[0].data();
     s.rotation = value_[1].data();
@@ -166,12 +185,14 @@ class StepBlocks {
   PassKernels<Executor> kernels_;
   PictureLossBlocks<Executor> loss_;
   AdamBlocks<Executor> adam_;
-  uint32_t count_, rest_;
+  RelocateBlocks<Executor> relocate_;
+  TreeSumMemory<Executor> share_sum_;
+  uint32_t count_, cap_, rest_;
   std::array<Array<float>, kColumns> value_, gradient_, m_, v_;
-  std::array<Array<float>, 3> statistics_;
+  std::array<Array<float>, 3> statistics_, sums_;  // of the picture; since the last relocation
   Array<uint8_t> active_;
-  Array<uint32_t> steps_, counts_;
-  Array<float> planes_, srgb_, picture_gradient_, error_;
+  Array<uint32_t> steps_, seen_, counts_;
+  Array<float> share_, rarity_, distance_, planes_, srgb_, picture_gradient_, error_;
   std::deque<Array<float>> photos_;
 };
 

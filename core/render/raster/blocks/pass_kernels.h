@@ -66,7 +66,7 @@ class PassKernels {
     const FragmentList list{list_instance_.data(), list_transmittance_.data()};
     masks_.resize(size_t{PixelMasks::kWords} * instances_);
     const PixelMasks masks{masks_.data()};
-    launch(executor, masks_.size(), ClearKernel{masks_.data(), masks_.size()});
+    launch(executor, masks_.size(), ClearKernel<uint32_t>{masks_.data(), masks_.size()});
     blend(executor, scene, FragmentSink{fragment_offsets_.data(), list, masks, static_cast<uint32_t>(scene.view.width)});
 
     instance_offsets_.resize(instances_);

@@ -39,17 +39,18 @@ struct InstanceFragments {
 };
 
 // values[i] = 0.
+template <class T>
 struct ClearKernel {
   static constexpr uint32_t kThreads = 256;
   using Shared = NoShared;
   using Thread = NoThread;
-  uint32_t* values;
+  T* values;
   size_t size;
 
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
     const size_t i = size_t{at.block} * kThreads + at.thread;
-    if (i < size) values[i] = 0;
+    if (i < size) values[i] = T(0);
   }
 };
 

@@ -118,7 +118,14 @@ TEST(DeviceUsage, KernelsOfTrainingStayInTheirRegisters) {
                                        {"SsimGradientKernel", 64},
                                        {"AdamSurfelKernel", 40},
                                        {"AdamUpdateKernel", 40},
-                                       {"ActiveKernel", 32}});
+                                       {"StatisticsKernel", 32},
+                                       {"FactorKernel", 40},
+                                       {"LeastColourKernel", 32},
+                                       {"ChanceKernel", 40},
+                                       {"ChancePartsKernel", 32},
+                                       {"SlotKernel", 32},
+                                       {"ParentKernel", 32},
+                                       {"DivideKernel", 64}});
 }
 
 }  // namespace
