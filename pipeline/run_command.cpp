@@ -244,6 +244,20 @@ int dry_run(Planner& planner, const fs::path& project) {
 }
 
 // `opened`: set once the report is open and records errors itself.
+// Why --device auto takes the CPU; empty: it does not, or nothing wants a device. Throws Error{Device} before anything is
+// computed if `cuda` cannot be had.
+std::string why_no_wanted_device(const Graph& graph, const Settings& settings) {
+  const std::string device = settings.text("limits.device");
+  const std::string why = device == "cpu" ? std::string() : why_no_device(graph);
+  if (device == "cuda" && !why.empty())
+    throw Error(ErrorKind::Device, "no GPU is usable here",
+                {.where = "--device cuda",
+                 .why = why,
+                 .hint = "--device cpu, or --device auto; `vitrine doctor` describes the card",
+                 .code = "NO_DEVICE"});
+  return why;
+}
+
 int run(const RunArguments& a, const Words& words, bool& opened) {
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);
@@ -262,6 +276,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
     return dry_run(planner, target.project);
   }
 
+  const std::string no_device = why_no_wanted_device(graph, settings);
   make_folders(store_of(target.project));
   const ProjectLock lock(target.project);
   Words command = {"vitrine", "run"};
@@ -275,8 +290,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
   opened = true;
   if (!replaced.empty()) report.note(replaced);
   for (const std::string& note : measured) report.note(note);
-  if (settings.text("limits.device") == "auto")
-    if (const std::string why = why_no_device(graph); !why.empty()) report.note("note: --device auto takes the CPU: " + why);
+  if (!no_device.empty()) report.note("note: --device auto takes the CPU: " + no_device);
   if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),

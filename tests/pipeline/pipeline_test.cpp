@@ -3,6 +3,8 @@
 
 #include <sstream>
 
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/graphics_card.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/base/timer.h"
 #include "pipeline/given_inputs.h"
@@ -75,7 +77,18 @@ TEST_F(Sandbox, OptionsThatDoNotChangeTheResultRerunNothing) {
 }
 
 TEST_F(Sandbox, ADeviceConcernsTheStagesThatHaveIt) {
+  if (find_graphics_card().card) GTEST_SKIP() << "there is a card";
+  const Outcome without = run({"--device", "cuda"});
+  EXPECT_EQ(without.exit, exit_code(ErrorKind::Device));
+  EXPECT_TRUE(without.has("--device auto")) << without.text;
+  EXPECT_FALSE(fs::exists(out())) << "nothing is computed before";
   ASSERT_EQ(run().exit, 0);
+  ASSERT_EQ(run({"--device", "auto"}).exit, 0);
+  EXPECT_EQ(states().at("upper"), "cached") << "as on the CPU";
+
+  const TemporaryFolder driver;
+  fs::create_symlink(VITRINE_FAKE_DRIVER, driver.path() / "libcuda.so.1");
+  setenv("LD_LIBRARY_PATH", driver.path().c_str(), 1);
   ASSERT_EQ(run({"--device", "cuda"}).exit, 0);
   EXPECT_EQ(states(), (States{{"collect", "cached"}, {"upper", "ran"}, {"join", "cached"}}));
   EXPECT_TRUE(run({"--device", "cuda", "--dry-run"}).has("keep  upper"));
@@ -84,6 +97,7 @@ TEST_F(Sandbox, ADeviceConcernsTheStagesThatHaveIt) {
   const Outcome wrong = run({"--device", "card"});
   EXPECT_EQ(wrong.exit, 2);
   EXPECT_TRUE(wrong.has("cpu, cuda, auto")) << wrong.text;
+  unsetenv("LD_LIBRARY_PATH");
 }
 
 TEST_F(Sandbox, TouchingAPhotoRerunsNothingAndChangingItReruns) {
