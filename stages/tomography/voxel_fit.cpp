@@ -157,7 +157,7 @@ void fit_voxels(const ScanGeometry& g, std::span<const ImageF> projections, Voxe
   if (!desc.checkpoint.empty()) place = restored(desc.checkpoint, grid, smoother);
   const std::vector<size_t> order = spread_order(projections.size());
   const size_t each = (order.size() + kSteps - 1) / kSteps;
-  for (; place.round < desc.rounds;) {
+  while (place.round < desc.rounds) {
     const float step = float(std::pow(kLastStep, double(place.round) / desc.rounds));
     while (place.first < order.size()) {
       if (interrupt_signal() != 0 && !desc.checkpoint.empty()) save(desc.checkpoint, place, grid, smoother);
@@ -202,7 +202,8 @@ double bilinear(const ImageF& image, double px, double py) {
 }
 
 size_t voxel_fit_bytes(const VoxelGrid<float>& grid) {
-  return grid.count() * sizeof(float) * (2 + TotalVariation::kFloatsPerVoxel);
+  constexpr size_t kOfCheckpoint = 2 * 4;  // densities and dual variables, in its state and in the file's bytes
+  return grid.count() * sizeof(float) * (2 + TotalVariation::kFloatsPerVoxel + kOfCheckpoint);
 }
 
 }  // namespace vitrine

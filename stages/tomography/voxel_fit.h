@@ -14,8 +14,8 @@ namespace vitrine {
 struct VoxelFitDesc {
   int rounds = 5;     // each fits every projection once; their steps fall to a tenth
   double tv = 0.015;  // weight of the total variation: the jump that the first round removes, as a share of the dense voxels
-  std::filesystem::path checkpoint =
-      {};  // written after each round and on an interrupt; where it exists, the fit goes on from it
+  // Written after each round and on an interrupt; where the file exists, the fit goes on from it. Empty: none.
+  std::filesystem::path checkpoint = {};
 };
 
 struct FitRound {
@@ -35,7 +35,7 @@ std::vector<ImageF> projected(const ScanGeometry& g, const VoxelGrid<float>& gri
 // Value of one channel at a place in pixels, 0 beyond the border pixels' middles by more than a pixel.
 double bilinear(const ImageF& image, double px, double py);
 
-// Bytes of the fit, without the projections.
+// Bytes of the fit and of its checkpoint, without the projections.
 size_t voxel_fit_bytes(const VoxelGrid<float>& grid);
 
 }  // namespace vitrine
