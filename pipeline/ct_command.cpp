@@ -16,10 +16,11 @@ namespace {
 constexpr const char* kCtTool = "tomography";
 constexpr const char* kCtUsage = "vitrine ct SCAN.yaml -o DIR";
 
-// The folder must be free, or of an earlier `vitrine ct`, whose files are replaced.
+// The folder must be free, or of an earlier `vitrine ct`, whose files are replaced, or which was interrupted.
 void check_ct_output(const fs::path& out) {
   std::error_code ec;
   if (!fs::exists(out, ec) || current_key(out, kCtTool) || (fs::is_directory(out, ec) && fs::is_empty(out, ec))) return;
+  if (!is_project(out) && fs::is_directory(store_of(out) / kCtTool, ec)) return;
   throw Error(ErrorKind::Usage, "the output folder contains other files",
               {.where = out.string(),
                .why = is_project(out) ? "it is the output folder of a run" : "it was not made by vitrine ct",
@@ -72,7 +73,8 @@ int ct_command(const Words& words) {
     exit = result.exit_code;
     if (exit == 0) keep_volume(project, result);
   }
-  if (exit != 0 && !kept) fs::remove_all(project, ec);
+  const bool goes_on = exit == exit_code(ErrorKind::Interrupted) || exit == exit_code(ErrorKind::Preempted);
+  if (exit != 0 && !kept && !goes_on) fs::remove_all(project, ec);
   if (exit == 0 && !how.quiet) fmt::print("{}\n", (project / "ct").string());
   return exit;
 }

@@ -44,6 +44,9 @@ class CtCommand : public testing::Test {
   int ct(const fs::path& file) const {
     return ct_command({file.string(), "-o", at("out").string(), "--quiet", "--no-progress", "--set", "voxels=14"});
   }
+  std::string ct_command_error(const fs::path& out) const {
+    return error_of([&] { ct_command({at("scan.yaml").string(), "-o", out.string()}); }).message();
+  }
   // Error of reading the scan, its pictures included.
   std::string refusal(const std::string& text) const {
     const fs::path file = scan(text);
@@ -67,6 +70,14 @@ TEST_F(CtCommand, WritesVolumeSurfaceSlicesAndReport) {
   const ImageF middle = read_exr(at("out/ct/slices") / fmt::format("slice_{:04d}.exr", report["size"][2].get<int>() / 2)).pixels;
   EXPECT_NEAR(double(middle.at(middle.width() / 2, middle.height() / 2)), 0.8, 0.1);
   ASSERT_EQ(ct(scan(usual())), 0) << "again, from the store";
+}
+
+TEST_F(CtCommand, AnInterruptedScanGoesOnInItsFolder) {
+  make_folders(at("out/.cache/tomography/key.scratch"));
+  EXPECT_EQ(ct(scan(usual())), 0);
+  EXPECT_TRUE(fs::exists(at("out/ct/volume.nrrd")));
+  make_folders(at("other/.cache/optimize"));
+  EXPECT_EQ(ct_command_error(at("other")), "the output folder contains other files");
 }
 
 TEST_F(CtCommand, MistakesAreErrorsAndLeaveNothing) {
