@@ -24,9 +24,9 @@ namespace {
 
 using test::RecordingContext, test::Studio;
 
-constexpr int kWidth = 400, kHeight = 300;
-constexpr double kFocal = 380;
-constexpr size_t kPhotos = 12;
+constexpr int kWidth = 320, kHeight = 240;
+constexpr double kFocal = 304;
+constexpr size_t kPhotos = 8;
 
 View view_from(const Vec3d& eye, const Vec3d& target) {
   return {.name = {},
@@ -36,7 +36,7 @@ View view_from(const Vec3d& eye, const Vec3d& target) {
 
 using Pictures = std::vector<ImageF>;  // linear
 
-Pictures ring(const Studio& studio, size_t n, double arc = 1.1, double distance = 1.7) {
+Pictures ring(const Studio& studio, size_t n, double arc = 0.7, double distance = 1.7) {
   Pictures out;
   for (size_t i = 0; i < n; ++i) {
     const double a = 0.3 + arc * double(i) / double(n - 1) * std::numbers::pi;
@@ -73,7 +73,7 @@ class Capture {
 std::string exif_of(unsigned mm, const std::string& model) {
   return test::exif_bytes({{0x110, 'a', 0, 1, model}}, {{0xa405, 's', mm}});
 }
-// What 380 pixels of 400 across are in 35 mm terms: 380 / 500 * 43.27.
+// What 304 pixels of 320 across are in 35 mm terms: 304 / 400 * 43.27.
 constexpr unsigned kTrueMm = 33;
 
 struct Verdict {
@@ -123,14 +123,14 @@ std::vector<Row> rows() {
                      }()));
                  }});
   all.push_back({"no overlap", "", "SFM_NO_OVERLAP", [](Capture& c) {
-                   for (uint32_t i = 0; i < 10; ++i) c.add(ring(Studio({.seed = 20 + i}), 2, 0, 1.7)[0]);
+                   for (uint32_t i = 0; i < kPhotos; ++i) c.add(ring(Studio({.seed = 20 + i}), 2, 0, 1.7)[0]);
                  }});
   all.push_back({"two rooms", "", "SFM_SPLIT_MODELS", [](Capture& c) {
                    c.add(ring(Studio({}), 6, 0.5));
                    c.add(ring(Studio({.seed = 9}), 6, 0.5));
                  }});
   all.push_back({"all mirror", "", "SFM_REFLECTIONS_DOMINATE",
-                 [](Capture& c) { c.add(ring(Studio({.mirrors = true}), kPhotos, 1.1, 1.25)); }});
+                 [](Capture& c) { c.add(ring(Studio({.mirrors = true}), kPhotos, 0.7, 1.25)); }});
   all.push_back(
       {"no texture", "low_texture", "SFM_TOO_FEW_FEATURES", [](Capture& c) { c.add(ring(Studio({.plain = true}), kPhotos)); }});
   all.push_back(
@@ -147,7 +147,7 @@ std::vector<Row> rows() {
   all.push_back({"wrong focal length", "", "ok SFM_BAD_FOCAL", [](Capture& c) { c.add(good(), exif_of(6 * kTrueMm, "A")); }});
   all.push_back({"one photo", "few_photos", "TOO_FEW_PHOTOS", [](Capture& c) { c.add(good()[0]); }});
   all.push_back({"duplicates", "near_duplicates", "", [](Capture& c) {
-                   for (size_t i = 0; i < kPhotos; ++i) c.add(good()[i / 6]);
+                   for (size_t i = 0; i < kPhotos; ++i) c.add(good()[i * 2 / kPhotos]);
                  }});
   all.push_back({"corrupt", "unreadable_photos", "TOO_FEW_PHOTOS", [](Capture& c) {
                    c.add(good());

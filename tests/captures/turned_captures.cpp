@@ -5,18 +5,19 @@
 namespace vitrine {
 namespace {
 
-using test::ObjectCapture, test::PassCameras, test::Lying, test::TakenPhotos, test::TurnedObject, test::as_it_is,
-    test::turned_over, test::kRotationDeg;
+using test::Lying, test::ObjectCapture, test::photos_of_pass, test::TakenPhotos, test::TurnedObject;
 
 TEST_F(TurnedObject, IsNoticedWithoutMasks) {
   NEED_COLMAP();
-  register_photos(written({&as_it_is(), &turned_over()}), false);
+  const TakenPhotos first = photos_of_pass({.photos = 12}), second = photos_of_pass({.lying = Lying::TurnedOver, .photos = 10});
+  register_photos(written({&first, &second}), false);
   EXPECT_TRUE(warned("SFM_OBJECT_TURNED"));
 }
 
 TEST_F(TurnedObject, OnePassIsOnePass) {
   NEED_COLMAP();
-  const ObjectCapture capture = written({&as_it_is()});
+  const TakenPhotos photos = photos_of_pass({.photos = 12});
+  const ObjectCapture capture = written({&photos});
   register_photos(capture, true);
   expect_all_in_the_frame_of_the_object(capture);
   expect_one_pass();
