@@ -12,8 +12,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kLeastAlphaOfDepth = 0.3f;  // below this alpha a pixel has no usable depth
-
 class NormalConsistencyLoss final : public Loss {
  public:
   std::string_view name() const override { return "normal_consistency"; }

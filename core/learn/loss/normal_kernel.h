@@ -7,6 +7,8 @@
 
 namespace vitrine {
 
+inline constexpr float kLeastAlphaOfDepth = 0.3f;  // below this alpha a pixel has no usable depth
+
 template <class T>
 struct NormalTerm {
   T value;
@@ -15,7 +17,7 @@ struct NormalTerm {
 
 // N is unnormalised (its length is at most the alpha). Returns value 0 and no gradient where the depth gradient is undefined.
 template <class T>
-NormalTerm<T> normal_term(const Vec3<T>& N, const Vec3<T>& a, const Vec3<T>& b, const T& alpha) {
+VITRINE_HD NormalTerm<T> normal_term(const Vec3<T>& N, const Vec3<T>& a, const Vec3<T>& b, const T& alpha) {
   using std::sqrt;
   const Vec3<T> q = cross(a, b);
   const T squared = dot(q, q);

@@ -26,14 +26,15 @@ struct PictureLossScale {
   }
 };
 
-// A thread for each pixel: m |C - C_photo|, a sum over the channels, its gradient, and m times the mean over the channels.
+// A thread for each pixel: m |C - C_photo|, a sum over the channels, its gradient, m times the mean over the channels, and the
+// mean without m.
 struct L1Kernel {
   static constexpr uint32_t kThreads = 128;
   using Shared = NoShared;
   using Thread = NoThread;
   PicturePair pair;
   PictureLossScale scale;
-  float *gradient, *value, *error;  // [3,h,w], [h,w], [h,w]
+  float *gradient, *value, *error, *plain;  // [3,h,w], [h,w], [h,w], [h,w]
 
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
@@ -49,12 +50,13 @@ struct L1Kernel {
     }
     value[pixel] = (m * sum).v;
     error[pixel] = (m * sum / F32(3.f)).v;
+    plain[pixel] = (sum / F32(3.f)).v;
   }
 };
 
 // Windows of 11 x 11 pixels, by rows and then by columns; weights of a Gaussian of deviation 1.5, rounded to float.
 VITRINE_HD inline F32 ssim_window(int offset) {
-  constexpr float kWeights[kSsimRadius + 1] = {0.266011725f, 0.213005538f, 0.10936069f,
+  constexpr float kWeights[kSsimRadius + 1] = {0.266011725f,  0.213005538f,   0.10936069f,
                                                0.0360007721f, 0.00759875814f, 0.00102838008f};
   return kWeights[offset < 0 ? -offset : offset];
 }
@@ -222,9 +224,10 @@ class PictureLossBlocks {
   void evaluate(Executor& executor, const PicturePair& pair, const PictureLossWeights& weights, float* gradient, float* error) {
     const uint32_t pixels = pair.pixels();
     l1_.resize(pixels);
+    plain_.resize(pixels);
     PictureLossScale scale{weights.l1, weights.dssim, nullptr};
     if (pair.weight != nullptr) scale.weight_sum = tree_sum(executor, weight_sum_, pair.weight, pixels);
-    executor.launch(L1Kernel{pair, scale, gradient, l1_.data(), error}, blocks_for(pixels, L1Kernel::kThreads));
+    executor.launch(L1Kernel{pair, scale, gradient, l1_.data(), error, plain_.data()}, blocks_for(pixels, L1Kernel::kThreads));
     dssim_.resize(size_t{3} * pixels);
     for (auto& p : partials_) p.resize(size_t{3} * pixels);
     const SsimPartials partials{partials_[0].data(), partials_[1].data(), partials_[2].data()};
@@ -235,24 +238,33 @@ class PictureLossBlocks {
     total_ = scale.weight_sum;
   }
 
+  // Of the last evaluate(), in the executor's memory: sums over the picture of m |C - C_photo| and of m (1 - S), each over the
+  // channels, too; of the mean of |C - C_photo| over the channels; of m, null: one of each pixel.
+  struct Sums {
+    const float *l1, *dssim, *plain, *weight;
+  };
+  Sums sums(Executor& executor) {
+    return {tree_sum(executor, l1_sum_, l1_.data(), pixels_), tree_sum(executor, dssim_sum_, dssim_.data(), 3 * pixels_),
+            tree_sum(executor, plain_sum_, plain_.data(), pixels_), total_};
+  }
+
   // Of the last evaluate(): the losses themselves. Waits for the device.
   struct Values {
     double l1, dssim;
   };
   Values values(Executor& executor) {
-    const double total = 3.0 * (total_ == nullptr ? static_cast<double>(pixels_) : static_cast<double>(executor.read(total_)));
-    const auto sum = [&](const float* in, uint32_t size) {
-      return static_cast<double>(executor.read(tree_sum(executor, value_sum_, in, size)));
-    };
+    const Sums sums = this->sums(executor);
+    const auto value = [&](const float* sum) { return static_cast<double>(executor.read(sum)); };
+    const double total = 3.0 * (sums.weight == nullptr ? static_cast<double>(pixels_) : value(sums.weight));
     if (total <= 0) return {0, 0};
-    return {sum(l1_.data(), pixels_) / total, sum(dssim_.data(), 3 * pixels_) / total};
+    return {value(sums.l1) / total, value(sums.dssim) / total};
   }
 
  private:
   template <class T>
   using Array = typename Executor::template Array<T>;
-  TreeSumMemory<Executor> weight_sum_, value_sum_;
-  Array<float> l1_, dssim_, partials_[3];
+  TreeSumMemory<Executor> weight_sum_, l1_sum_, dssim_sum_, plain_sum_;
+  Array<float> l1_, plain_, dssim_, partials_[3];
   const float* total_ = nullptr;
   uint32_t pixels_ = 0;
 };
