@@ -3,26 +3,13 @@
 //   transmission_mask:  q = the blended transmission weight,  M = transparent
 //   object_mask:        q = the accumulated alpha,            M = object
 // Outside [e, 1 - e] the logarithm is extrapolated linearly: the gradient towards the mask stays finite and non-zero.
-#include <algorithm>
-#include <cmath>
-
 #include "core/learn/loss/loss.h"
+#include "core/learn/loss/target_kernel.h"
 #include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
 
 namespace {
-
-constexpr float kEnd = 0.01f;
-
-struct CrossEntropy {
-  float value, slope;
-};
-CrossEntropy cross_entropy(float q, float m) {
-  const float inner = std::clamp(q, kEnd, 1 - kEnd);
-  const float slope = (inner - m) / (inner * (1 - inner));
-  return {-m * std::log(inner) - (1 - m) * std::log(1 - inner) + slope * (q - inner), slope};
-}
 
 class MaskCrossEntropyLoss final : public Loss {
  public:
@@ -38,7 +25,7 @@ class MaskCrossEntropyLoss final : public Loss {
     const auto grad = gradient.raster->plane(channel_);
     const float step = static_cast<float>(scale / mask.total());
     return mask.sum_over_pixels(row_sums_, [&](size_t i, float m, float v) {
-      const CrossEntropy e = cross_entropy(values[i], m);
+      const ChannelTerm<float> e = cross_entropy_term(values[i], m);
       grad[i] += step * v * e.slope;
       return v * e.value;
     }) / mask.total();

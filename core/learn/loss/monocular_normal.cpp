@@ -2,11 +2,11 @@
 // frame, n_t the target, c its confidence:
 //   L = sum_p v c (|n - n_t|_1 + 1 - n . n_t) / P,   v = 1 - ignore, P the pixels of the frame
 //   dL/dN = R^T (I - n n^T) g / |N|
-#include <algorithm>
 #include <cmath>
 
 #include "core/foundation/base/error.h"
 #include "core/learn/loss/loss.h"
+#include "core/learn/loss/target_kernel.h"
 #include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
@@ -34,23 +34,17 @@ class MonocularNormalLoss final : public Loss {
                            double sum = 0;
                            for (size_t i = y * width; i < (y + 1) * width; ++i) {
                              const Vec3f t{target[i], target[pixels + i], target[2 * pixels + i]};
-                             if (dot(t, t) < 0.25f || alpha[i] < kLeastAlpha) continue;
+                             if (dot(t, t) < kShortestTarget || alpha[i] < kLeastNormalAlpha) continue;
                              const Vec3f blended{normal[i], normal[pixels + i], normal[2 * pixels + i]};
                              const float length = std::sqrt(dot(blended, blended));
-                             if (length < kShortest) continue;
+                             if (length < kShortestNormal) continue;
                              const float weight =
                                  (confidence.empty() ? 1.f : confidence[i]) * (ignore.empty() ? 1.f : 1.f - ignore[i]);
                              if (weight <= 0) continue;
                              const Vec3f n = (1 / length) * (cam_from_world * blended);
-                             Vec3f g = -t;
-                             float value = 1 - dot(n, t);
-                             for (size_t c = 0; c < 3; ++c) {
-                               const float off = n[c] - t[c];
-                               value += std::abs(off);
-                               if (off != 0) g[c] += std::copysign(1.f, off);
-                             }
-                             sum += weight * value;
-                             const Vec3f back = (step * weight / length) * (world_from_cam * (g - dot(n, g) * n));
+                             const TargetNormalTerm<float> term = target_normal_term(n, t);
+                             sum += weight * term.value;
+                             const Vec3f back = (step * weight / length) * (world_from_cam * term.tangent);
                              for (size_t c = 0; c < 3; ++c) grad[c * pixels + i] += back[c];
                            }
                            return sum;
@@ -59,9 +53,6 @@ class MonocularNormalLoss final : public Loss {
   }
 
  private:
-  static constexpr float kShortest = 0.05f;   // opposite normals that cancel have no direction
-  static constexpr float kLeastAlpha = 0.3f;  // below this alpha a pixel has no usable normal
-
   std::vector<double> row_sums_;
 };
 

@@ -3,10 +3,9 @@
 // Outside the mask K is pushed to zero; inside, K must reach K0, and the photos determine larger values. Pixels of the
 // transparent mask T and of coats are excluded: they reflect by Fresnel's equations however small their K, and K0 would turn
 // them into mirrors.
-#include <algorithm>
-
 #include "core/foundation/base/error.h"
 #include "core/learn/loss/loss.h"
+#include "core/learn/loss/target_kernel.h"
 #include "core/learn/loss/target_mask.h"
 
 namespace vitrine {
@@ -30,15 +29,13 @@ class SpecularMaskLoss final : public Loss {
     const float step = static_cast<float>(scale / mask.total());
     return mask.sum_over_pixels(row_sums_, [&](size_t i, float m, float valid) {
       const float v = valid * (glass.empty() ? 1 : 1 - glass[i]) * (coat.empty() ? 1 : 1 - coat[i]);
-      const float missing = std::max(0.f, kInsideTarget - weight[i]);
-      grad[i] += step * v * (1 - m - (missing > 0 ? kInsideShare * m : 0.f));
-      return v * ((1 - m) * weight[i] + kInsideShare * m * missing);
+      const ChannelTerm<float> term = specular_mask_term(weight[i], m);
+      grad[i] += step * v * term.slope;
+      return v * term.value;
     }) / mask.total();
   }
 
  private:
-  static constexpr float kInsideShare = 0.5f;   // b: weight of the pixels inside the mask relative to those outside
-  static constexpr float kInsideTarget = 0.3f;  // K0: specular weight that a pixel inside the mask should reach
   std::vector<double> row_sums_;
 };
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/learn/loss/blocks/picture_loss_kernels.h"
-#include "core/learn/loss/blocks/plane_loss_kernels.h"
+#include "core/learn/loss/blocks/target_loss_kernels.h"
 #include "core/render/raster/aovs.h"
 #include "core/render/raster/blocks/reverse_kernels.h"
 
@@ -96,9 +96,12 @@ class LossBlocks {
     picture_.evaluate(executor, {frame.prediction, frame.target, frame.weight, width, height},
                       {factors[BlockLoss::L1], factors[BlockLoss::Dssim]}, picture_gradient, error);
     for (auto& sum : sums_.of) sum = nullptr;
+    ignored_ = frame.ignore == nullptr ? nullptr : tree_sum(executor, ignore_sum_, frame.ignore, frame.pixels());
     choose_planes();
     launch(executor, planes_.size(), FillKernel{planes_.data(), 0.f, planes_.size()});
     if (on(BlockLoss::NormalConsistency)) normal_consistency(executor);
+    if (on(BlockLoss::MonocularNormal)) monocular_normal(executor);
+    masks(executor);
     if (on(BlockLoss::Distortion)) {
       launch(executor, frame.pixels(), FillKernel{distortion_, step_of(BlockLoss::Distortion), frame.pixels()});
       sum(executor, BlockLoss::Distortion, frame.planes.distortion, frame.pixels());
@@ -106,6 +109,8 @@ class LossBlocks {
     GradientPlanes out{};
     for (size_t c = 0; c < 3 && normal_.plane[0] != nullptr; ++c)
       out.features[LossFrame::channel(Aov::Normal) + c] = normal_.plane[c];
+    out.features[LossFrame::channel(Aov::SpecularWeight)] = specular_weight_;
+    out.features[LossFrame::channel(Aov::Transmission)] = transmission_;
     out.zdepth = zdepth_;
     out.alpha = alpha_;
     out.distortion = distortion_;
@@ -137,6 +142,7 @@ class LossBlocks {
     gather.from[static_cast<size_t>(BlockLoss::Dssim)] = picture.dssim;
     gather.from[kPlain] = picture.plain;
     gather.from[kWeight] = picture.weight;
+    gather.from[kIgnored] = ignored_;
     gathered_.resize(GatherKernel::kThreads);
     gather.to = gathered_.data();
     executor.launch(gather, 1);
@@ -149,6 +155,7 @@ class LossBlocks {
       const BlockLoss loss = static_cast<BlockLoss>(k);
       double of = pixels;
       if (loss == BlockLoss::L1 || loss == BlockLoss::Dssim) of = 3 * weight;
+      if (is_mask(loss)) of = pixels - static_cast<double>(here[kIgnored]);
       if (loss == BlockLoss::Opacity) of = surfels_;
       if (loss == BlockLoss::Scale) of = 2.0 * surfels_;
       if (of <= 0 || factors_[loss] == 0.f) continue;
@@ -161,11 +168,14 @@ class LossBlocks {
  private:
   template <class T>
   using Array = typename Executor::template Array<T>;
-  static constexpr size_t kPlain = kBlockLossCount, kWeight = kPlain + 1;  // places of GatherKernel
+  static constexpr size_t kPlain = kBlockLossCount, kWeight = kPlain + 1, kIgnored = kWeight + 1;  // places of GatherKernel
 
   template <class Kernel>
   static void launch(Executor& executor, size_t items, const Kernel& kernel) {
     executor.launch(kernel, blocks_for(items, Kernel::kThreads));
+  }
+  static bool is_mask(BlockLoss loss) {
+    return loss == BlockLoss::SpecularMask || loss == BlockLoss::TransmissionMask || loss == BlockLoss::ObjectMask;
   }
   // Whether a loss of planes has a weight and its data.
   bool on(BlockLoss loss) const {
@@ -175,6 +185,14 @@ class LossBlocks {
         return frame_.feature(Aov::Normal) != nullptr && frame_.view.width >= 3 && frame_.view.height >= 3;
       case BlockLoss::Distortion:
         return frame_.planes.distortion != nullptr;
+      case BlockLoss::SpecularMask:
+        return frame_.specular != nullptr && frame_.feature(Aov::SpecularWeight) != nullptr;
+      case BlockLoss::TransmissionMask:
+        return frame_.transparent != nullptr && frame_.feature(Aov::Transmission) != nullptr;
+      case BlockLoss::ObjectMask:
+        return frame_.object != nullptr;
+      case BlockLoss::MonocularNormal:
+        return frame_.normals != nullptr && frame_.feature(Aov::Normal) != nullptr;
       default:
         return false;
     }
@@ -182,8 +200,11 @@ class LossBlocks {
   float step_of(BlockLoss loss) const { return factors_[loss] / static_cast<float>(frame_.pixels()); }
 
   void choose_planes() {
-    const bool normal = on(BlockLoss::NormalConsistency), depth = normal, alpha = normal, distortion = on(BlockLoss::Distortion);
-    planes_.resize(size_t{frame_.pixels()} * static_cast<size_t>(3 * normal + depth + alpha + distortion));
+    const bool depth = on(BlockLoss::NormalConsistency), normal = depth || on(BlockLoss::MonocularNormal);
+    const bool alpha = depth || on(BlockLoss::ObjectMask), distortion = on(BlockLoss::Distortion);
+    const bool specular = on(BlockLoss::SpecularMask), transmission = on(BlockLoss::TransmissionMask);
+    planes_.resize(size_t{frame_.pixels()} *
+                   static_cast<size_t>(3 * normal + depth + alpha + distortion + specular + transmission));
     float* next = planes_.data();
     const auto plane = [&](bool wanted) {
       if (!wanted) return static_cast<float*>(nullptr);
@@ -194,6 +215,8 @@ class LossBlocks {
     zdepth_ = plane(depth);
     alpha_ = plane(alpha);
     distortion_ = plane(distortion);
+    specular_weight_ = plane(specular);
+    transmission_ = plane(transmission);
   }
   // Room for the values of a loss.
   float* values_of(BlockLoss loss, uint32_t count) {
@@ -203,6 +226,11 @@ class LossBlocks {
   }
   void sum(Executor& executor, BlockLoss loss, const float* values, uint32_t count) {
     sums_[loss] = tree_sum(executor, sum_memory_.of[static_cast<size_t>(loss)], values, count);
+  }
+
+  Planes3<const float> normals() const {
+    const float* const* n = frame_.planes.features + LossFrame::channel(Aov::Normal);
+    return {{n[0], n[1], n[2]}};
   }
 
   void normal_consistency(Executor& executor) {
@@ -218,18 +246,44 @@ class LossBlocks {
                                static_cast<uint32_t>(frame_.view.height)};
     slopes_.resize(size_t{6} * pixels);
     Planes3<float> down, right;
-    Planes3<const float> normal, down_in, right_in;
+    Planes3<const float> down_in, right_in;
     for (size_t c = 0; c < 3; ++c) {
-      normal.plane[c] = frame_.planes.features[LossFrame::channel(Aov::Normal) + c];
       down_in.plane[c] = down.plane[c] = slopes_.data() + c * pixels;
       right_in.plane[c] = right.plane[c] = slopes_.data() + (3 + c) * pixels;
     }
     float* const values = values_of(BlockLoss::NormalConsistency, pixels);
     launch(executor, pixels,
-           NormalConsistencyKernel{surface, normal, camera.rotation, step_of(BlockLoss::NormalConsistency), normal_, down, right,
-                                   values});
+           NormalConsistencyKernel{surface, normals(), camera.rotation, step_of(BlockLoss::NormalConsistency), normal_, down,
+                                   right, values});
     launch(executor, pixels, DepthGradientKernel{surface, down_in, right_in, zdepth_, alpha_});
     sum(executor, BlockLoss::NormalConsistency, values, pixels);
+  }
+  void monocular_normal(Executor& executor) {
+    float* const values = values_of(BlockLoss::MonocularNormal, frame_.pixels());
+    launch(
+        executor, frame_.pixels(),
+        TargetNormalKernel{normals(), frame_.view.camera.rotation, frame_.planes.alpha, frame_.normals, frame_.normal_confidence,
+                           frame_.ignore, step_of(BlockLoss::MonocularNormal), frame_.pixels(), normal_, values});
+    sum(executor, BlockLoss::MonocularNormal, values, frame_.pixels());
+  }
+  void masks(Executor& executor) {
+    const uint32_t pixels = frame_.pixels();
+    const auto run = [&](BlockLoss loss, const float* mask, const auto& kernel_of) {
+      if (!on(loss)) return;
+      float* const values = values_of(loss, pixels);
+      launch(executor, pixels, kernel_of(MaskedPixels{mask, frame_.ignore, ignored_, factors_[loss], pixels}, values));
+      sum(executor, loss, values, pixels);
+    };
+    run(BlockLoss::SpecularMask, frame_.specular, [&](const MaskedPixels& p, float* values) {
+      return SpecularMaskKernel{p,     frame_.feature(Aov::SpecularWeight), frame_.transparent, frame_.coat, specular_weight_,
+                                values};
+    });
+    run(BlockLoss::TransmissionMask, frame_.transparent, [&](const MaskedPixels& p, float* values) {
+      return CrossEntropyKernel{p, frame_.feature(Aov::Transmission), transmission_, values};
+    });
+    run(BlockLoss::ObjectMask, frame_.object, [&](const MaskedPixels& p, float* values) {
+      return CrossEntropyKernel{p, frame_.planes.alpha, alpha_, values};
+    });
   }
   template <bool kSigmoid>
   void activation(Executor& executor, BlockLoss loss, const float* raw, uint32_t count, float* gradient) {
@@ -245,10 +299,12 @@ class LossBlocks {
   PerLoss<Array<float>> values_;
   PerLoss<TreeSumMemory<Executor>> sum_memory_;
   PerLoss<const float*> sums_;  // of values over pixels or surfels; null: the loss is off
+  TreeSumMemory<Executor> ignore_sum_;
+  const float* ignored_ = nullptr;  // sum of the ignore mask; null: there is none
   Array<float> planes_, slopes_, gathered_;
   // In planes_; null: no gradient.
   Planes3<float> normal_{};
-  float *zdepth_ = nullptr, *alpha_ = nullptr, *distortion_ = nullptr;
+  float *zdepth_ = nullptr, *alpha_ = nullptr, *distortion_ = nullptr, *specular_weight_ = nullptr, *transmission_ = nullptr;
 };
 
 }  // namespace vitrine::blocks

@@ -16,6 +16,14 @@ using blocks::BlockLoops, blocks::BlockLoss, blocks::F32, blocks::LossFactors, b
 
 constexpr float kFactor = 0.7f;
 
+// Pixels of a coat, in weighted frames alone.
+std::vector<float> coat_of(const TestFrame& frame) {
+  std::vector<float> coat(frame.ignore.size());
+  for (size_t i = 0; i < coat.size(); ++i) coat[i] = i % 5 == 0 ? 0.6f : 0.f;
+  return coat;
+}
+
+// Without `coat`.
 LossFrame loss_frame(TestFrame& frame, bool targets) {
   const auto data = [&](std::vector<float>& values) { return values.empty() ? nullptr : values.data(); };
   const Intrinsics& k = frame.view.intrinsics;
@@ -53,7 +61,9 @@ struct LossResults {
 LossResults results_of_blocks(TestFrame frame, bool targets, BlockLoss loss, uint64_t seed) {
   BlockLoops loops(seed);
   blocks::LossBlocks<BlockLoops> losses;
-  const LossFrame f = loss_frame(frame, targets);
+  LossFrame f = loss_frame(frame, targets);
+  const std::vector<float> coat = coat_of(frame);
+  if (targets && !coat.empty()) f.coat = coat.data();
   LossFactors factors;
   factors[loss] = kFactor;
   LossResults e;
@@ -91,6 +101,8 @@ LossResults results_of_blocks(TestFrame frame, bool targets, BlockLoss loss, uin
 
 LossResults results_of_cpu(TestFrame frame, bool targets, std::string_view loss) {
   LossInput input = frame.input();
+  const std::vector<float> coat = coat_of(frame);
+  input.targets.coat = coat;
   if (!targets) input.targets = {};
   LossGradient gradient = frame.gradient();
   LossResults e;
@@ -140,7 +152,8 @@ TEST_P(LossBlocksTest, AgreesWithTheCpuInAnyOrder) {
     }
 }
 INSTANTIATE_TEST_SUITE_P(Terms, LossBlocksTest,
-                         ::testing::Values("l1", "dssim", "normal_consistency", "distortion", "opacity", "scale"),
+                         ::testing::Values("l1", "dssim", "normal_consistency", "distortion", "opacity", "scale", "specular_mask",
+                                           "transmission_mask", "object_mask", "monocular_normal"),
                          [](const auto& info) { return info.param; });
 
 TEST(LossBlocks, EveryLossOfTheRegistryButTwoHasAKernel) {
@@ -153,6 +166,58 @@ TEST(LossBlocks, EveryLossOfTheRegistryButTwoHasAKernel) {
     ++count;
   }
   EXPECT_EQ(count, blocks::kBlockLossCount);
+}
+
+TEST(LossBlocks, WithoutTargetsTheirLossesAreSilent) {
+  const TestFrame frame(23, 19, true);
+  for (const BlockLoss loss :
+       {BlockLoss::SpecularMask, BlockLoss::TransmissionMask, BlockLoss::ObjectMask, BlockLoss::MonocularNormal}) {
+    const LossResults there = results_of_blocks(frame, false, loss, 0);
+    EXPECT_EQ(there.total, 0);
+    for (const auto& plane : there.planes)
+      for (const float g : plane) ASSERT_EQ(g, 0.f);
+  }
+}
+
+// The weighted sum of all losses in one call is the sum of the calls for each.
+TEST(LossBlocks, AllLossesAddUp) {
+  TestFrame frame(33, 29, true, 6);
+  BlockLoops loops(3);
+  blocks::LossBlocks<BlockLoops> losses;
+  const LossFrame f = loss_frame(frame, true);
+  LossFactors factors;
+  double total = 0;
+  std::vector<float> alpha(f.pixels()), normal(f.pixels());
+  for (const LossFactory& factory : loss_registry()) {
+    const auto loss = blocks::block_loss(factory.name);
+    if (!loss || *loss == BlockLoss::Opacity || *loss == BlockLoss::Scale) continue;
+    factors[*loss] = kFactor;
+    TestFrame alone = frame;
+    LossGradient gradient = alone.gradient();
+    total += double(kFactor) * factory.make()->evaluate(alone.input(), kFactor, gradient);
+    for (size_t i = 0; i < f.pixels(); ++i) {
+      alpha[i] += alone.grad_raster.plane(Aov::Alpha)[i];
+      normal[i] += alone.grad_raster.plane(Aov::Normal)[i];
+    }
+  }
+  std::vector<float> picture(frame.prediction.size()), error(f.pixels());
+  const blocks::GradientPlanes g = losses.evaluate(loops, f, factors, picture.data(), error.data());
+  EXPECT_NEAR(losses.values(loops).total, total, 3e-6 * total);
+  EXPECT_GT(expect_near({g.alpha, g.alpha + f.pixels()}, alpha, 2e-5), 0);
+  const float* const there = g.features[LossFrame::channel(Aov::Normal)];
+  EXPECT_GT(expect_near({there, there + f.pixels()}, normal, 2e-5), 0);
+}
+
+TEST(LossBlocks, APictureThatIsIgnoredHasNoMaskLosses) {
+  TestFrame frame(20, 14, true);
+  std::fill(frame.ignore.begin(), frame.ignore.end(), 1.f);
+  for (const BlockLoss loss :
+       {BlockLoss::SpecularMask, BlockLoss::TransmissionMask, BlockLoss::ObjectMask, BlockLoss::MonocularNormal}) {
+    const LossResults there = results_of_blocks(frame, true, loss, 0);
+    EXPECT_EQ(there.total, 0);
+    for (const auto& plane : there.planes)
+      for (const float g : plane) ASSERT_EQ(g, 0.f);
+  }
 }
 
 // Depths that no neighbour continues, and pixels that show nothing, have no slope.

@@ -271,6 +271,9 @@ TEST(Blocks, FunctionsOfFloatsAreAccurateAndRoundOnce) {
     EXPECT_NEAR(exp(F32(x)).v / std::exp(double(x)), 1, 1e-5) << x;  // the product with 1/ln 2 is rounded
     EXPECT_NEAR(gaussian(F32(std::abs(x))).v, std::exp(-0.5 * std::abs(double(x))), 3e-7) << x;
     EXPECT_NEAR(log_of(F32(std::exp(x))).v, x, 2e-5) << x;
+    const float power = std::exp(x), near_one = 1 + 0.01f * x;
+    EXPECT_NEAR(log(F32(power)).v / std::log(double(power)), 1, 3e-7) << x;
+    EXPECT_NEAR(log(F32(near_one)).v / std::log(double(near_one)), 1, 3e-7) << x;
   }
   // A product that is rounded before the sum, and one that is not: (1 + e)^2 - 1 - 2 e.
   const volatile float e = 0x1p-13f;

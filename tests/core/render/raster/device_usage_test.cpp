@@ -128,5 +128,16 @@ TEST(DeviceUsage, KernelsOfTrainingStayInTheirRegisters) {
                                        {"DivideKernel", 64}});
 }
 
+TEST(DeviceUsage, KernelsOfLossesStayInTheirRegisters) {
+  expect_registers("gpu_losses.usage", {{"FillKernel", 32},
+                                        {"GatherKernel", 32},
+                                        {"NormalConsistencyKernel", 40},
+                                        {"DepthGradientKernel", 40},
+                                        {"ActivationKernel", 32},
+                                        {"SpecularMaskKernel", 32},
+                                        {"CrossEntropyKernel", 32},
+                                        {"TargetNormalKernel", 40}});
+}
+
 }  // namespace
 }  // namespace vitrine
