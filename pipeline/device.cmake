@@ -2,8 +2,9 @@
 # card to build them. -DVITRINE_NVCC= leaves them out, too.
 find_program(VITRINE_NVCC nvcc HINTS ENV CUDA_PATH PATH_SUFFIXES bin PATHS /usr/local/cuda
              DOC "CUDA compiler that knows C++20; empty: no kernels for a GPU")
-# A100, H100, and what newer cards translate when the program starts. No fused multiply-add but where the source writes one: the bytes must be those of the CPU.
-set(VITRINE_NVCC_OPTIONS -std=c++20 -O3 -fmad=false -Werror cross-execution-space-call -gencode arch=compute_80,code=sm_80 -gencode arch=compute_90,code=[sm_90,compute_90]
+# A100, H100, and what newer cards translate when the program starts. No fused multiply-add but where the source writes one: the bytes must be those of the CPU. Kernels call functions
+# that are constexpr (mix64).
+set(VITRINE_NVCC_OPTIONS -std=c++20 -O3 -fmad=false --expt-relaxed-constexpr -Werror cross-execution-space-call -gencode arch=compute_80,code=sm_80 -gencode arch=compute_90,code=[sm_90,compute_90]
                          -Xcompiler=-O2,-march=${VITRINE_MARCH},-ffp-contract=off)
 
 # An nvcc that knows no C++20, or not the host compiler, is left alone: the build is then as without one.

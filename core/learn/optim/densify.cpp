@@ -229,11 +229,10 @@ DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, 
 void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64_t step) {
   if (strength <= 0) return;
   constexpr size_t kChunk = 1024;
-  constexpr float kSteepness = 100.f, kThreshold = 0.005f, kNegligible = 1e-4f;
   parallel_chunks(layer.size(), kChunk, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const float gate = sigmoid(kSteepness * (kThreshold - opacity_of(layer, i)));
-      if (gate < kNegligible) continue;
+      const float gate = noise_gate(opacity_of(layer, i));
+      if (gate < kNegligibleGate) continue;
       Rng rng(seed, mix64(kNoiseStream, mix64(step, i)));
       const Vec3f xi{rng.normal(), rng.normal(), rng.normal()};
       const Mat3f axes = axes_of(layer, i);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/foundation/math/vec.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 
@@ -36,5 +37,24 @@ VITRINE_HD T rarity_factor(const T& mean_share, const T& share, const T& most) {
   const T floor(kRarestShare), factor = mean_share / (share < floor ? floor : share);
   return factor < T(1) ? T(1) : most < factor ? most : factor;
 }
+
+// Step scale by distance: surfels far from the cameras move in proportion to their distance, so that a step, or a random walk,
+// has the same angular size everywhere. 1 near the cameras, whose radius is 1 around the origin; beyond a few radii the
+// distance divided by that limit.
+template <class T>
+VITRINE_HD T far_factor(const Vec3<T>& mean) {
+  using std::sqrt;
+  constexpr float kFar = 5;
+  const T factor = sqrt(mean.x * mean.x + mean.y * mean.y + mean.z * mean.z) / T(kFar);
+  return T(1) < factor ? factor : T(1);
+}
+
+// Random walk of nearly transparent surfels (add_position_noise): share of its strength by opacity.
+template <class T>
+VITRINE_HD T noise_gate(const T& opacity) {
+  constexpr float kSteepness = 100.f, kThreshold = 0.005f;
+  return sigmoid(T(kSteepness) * (T(kThreshold) - opacity));
+}
+inline constexpr float kNegligibleGate = 1e-4f;
 
 }  // namespace vitrine

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/learn/optim/adam.h"
+#include "core/learn/optim/densify_rules.h"
 
 namespace vitrine {
 
@@ -32,12 +33,6 @@ inline AttributeRates rates_at(const RatesConfig& c, double fraction, double sce
   return rates;
 }
 
-// Step scale by distance: surfels far from the cameras move in proportion to their distance, so that a step, or a random walk,
-// has the same angular size everywhere. 1 near the cameras, whose radius is 1 around the origin; beyond a few radii the
-// distance divided by that limit.
-inline float far_factor(const float* mean) {
-  constexpr float kFar = 5;
-  return std::max(1.f, std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / kFar);
-}
+inline float far_factor(const float* mean) { return far_factor(Vec3f{mean[0], mean[1], mean[2]}); }
 
 }  // namespace vitrine

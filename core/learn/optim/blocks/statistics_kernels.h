@@ -53,15 +53,13 @@ struct FactorKernel {
 
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
-    constexpr float kFar = 5;
     const uint32_t i = at.block * kThreads + at.thread;
     if (i >= surfels) return;
     active[i] = weight[i] > 0.f ? 1 : 0;
     const F32 mean_share = F32(*share_sum) / F32(static_cast<float>(surfels));
     all[i] = rarity_factor(mean_share, F32(share[i]), F32(rarest)).v;
     const float* m = mean + size_t{3} * i;
-    const F32 x(m[0]), y(m[1]), z(m[2]);
-    place[i] = max(F32(1.f), sqrt(x * x + y * y + z * z) / F32(kFar)).v;
+    place[i] = far_factor(Vec3<F32>{F32(m[0]), F32(m[1]), F32(m[2])}).v;
   }
 };
 

@@ -136,7 +136,8 @@ TEST(DeviceUsage, KernelsOfLossesStayInTheirRegisters) {
                                         {"ActivationKernel", 32},
                                         {"SpecularMaskKernel", 32},
                                         {"CrossEntropyKernel", 32},
-                                        {"TargetNormalKernel", 40}});
+                                        {"TargetNormalKernel", 40},
+                                        {"NoiseKernel", 40}});
 }
 
 }  // namespace
