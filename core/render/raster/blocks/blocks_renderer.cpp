@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "core/foundation/base/terminal.h"
 #include "core/render/raster/blocks/block_pass.h"
+#include "core/render/raster/blocks/device_errors.h"
 #include "core/render/raster/renderer.h"
 
 namespace vitrine {
@@ -133,36 +133,18 @@ class BlocksRenderer final : public Renderer {
  private:
   template <class Run>
   void on_device(const Run& run) const {
-    try {
-      run();
-    } catch (const ExecutorMemory& e) {
-      // The greater part of the memory grows with the surfels and with the pixels; the reverse pass takes as much again.
-      const double share = 0.5 * static_cast<double>(e.held + e.free) / static_cast<double>(e.held + e.needed);
-      throw Error(ErrorKind::Resource, "the device has too little memory",
-                  {.where = place(),
-                   .why = fmt::format("{} more are needed, {} are free, {} are in use", bytes_text(e.needed), bytes_text(e.free),
-                                      bytes_text(e.held)),
-                   .hint = smaller(std::min(share, 0.9)),
-                   .code = "DEVICE_MEMORY"});
-    } catch (const ExecutorOverflow& e) {
-      throw Error(ErrorKind::Resource, "the picture is too large for the device",
-                  {.where = place(),
-                   .why = fmt::format("there are more than {} {}", kMostItems, e.what()),
-                   .hint = smaller(0.5),
-                   .code = "DEVICE_OVERFLOW"});
-    } catch (const ExecutorFailure& e) {
-      throw Error(ErrorKind::Device, "the device failed", {.why = e.what(), .hint = "--device cpu", .code = "CUDA_FAILED"});
-    }
+    blocks::on_device(run, [&] { return work(); });
   }
-  std::string place() const {
-    return fmt::format("{} surfels, {} x {} pixels", layer_->size(), desc_.intrinsics.width, desc_.intrinsics.height);
-  }
-  // `share`: of the surfels times the pixels, by estimate.
-  std::string smaller(double share) const {
-    const double side = std::sqrt(share);
-    return fmt::format("{:.0f} surfels, or a picture of {:.0f} x {:.0f}, may fit; or --device cpu",
-                       share * static_cast<double>(layer_->size()), side * desc_.intrinsics.width,
-                       side * desc_.intrinsics.height);
+  DeviceWork work() const {
+    const int width = desc_.intrinsics.width, height = desc_.intrinsics.height;
+    const size_t surfels = layer_->size();
+    // The share: of the surfels times the pixels, by estimate.
+    const auto smaller = [=](double share) {
+      const double side = std::sqrt(share);
+      return fmt::format("{:.0f} surfels, or a picture of {:.0f} x {:.0f}, may fit; or --device cpu",
+                         share * static_cast<double>(surfels), side * width, side * height);
+    };
+    return {"the picture", fmt::format("{} surfels, {} x {} pixels", surfels, width, height), smaller};
   }
   static void add(std::span<float> to, std::span<const float> from) {
     for (size_t i = 0; i < from.size(); ++i) to[i] += from[i];
