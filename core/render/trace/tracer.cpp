@@ -1,6 +1,20 @@
 #include "core/render/trace/tracer.h"
 
+#include <utility>
+
+#include "core/render/raster/device.h"
+#include "core/render/trace/blocks/trace_pass.h"
+
 namespace vitrine {
+
+namespace {
+
+// Constant when the program starts: kernels that are linked in provide themselves before main().
+constinit DeviceTraceMaker provided = nullptr;
+
+}  // namespace
+
+DeviceTraceMaker provide_device_tracer(DeviceTraceMaker maker) { return std::exchange(provided, maker); }
 
 std::unique_ptr<Tracer> make_embree_tracer();
 std::unique_ptr<Tracer> make_reference_tracer();
@@ -26,7 +40,16 @@ size_t HitLists::size() const {
 }
 
 std::unique_ptr<Tracer> make_tracer(TracerBackend backend) {
-  return backend == TracerBackend::Reference ? make_reference_tracer() : make_embree_tracer();
+  switch (backend) {
+    case TracerBackend::Reference:
+      return make_reference_tracer();
+    case TracerBackend::Blocks:
+      return make_blocks_tracer();
+    case TracerBackend::Embree:
+      if (chosen_device() != nullptr && provided != nullptr) return make_blocks_tracer(provided());
+      break;
+  }
+  return make_embree_tracer();
 }
 
 }  // namespace vitrine

@@ -1,7 +1,7 @@
 // Ray tracer for one layer of surfels, forward and backward, with one virtual call per pass. It complements the rasteriser,
 // which renders the pixels of a pinhole camera, with rays of any origin and direction (reflected, transmitted, shadow). Back
-// ends: "embree" (single precision, threads) and "reference" (double, O(rays x surfels), the executable specification). Hits
-// are composited in exact order of (t, surfel index). README.md in this folder derives the mathematics.
+// ends: "embree" (single precision, threads), "reference" (double, O(rays x surfels), the executable specification) and "blocks"
+// (for a GPU). Hits are composited in exact order of (t, surfel index). README.md in this folder derives the mathematics.
 //
 //   alpha_i = min(0.99, opacity exp(-(u^2+v^2)/2)), dropped below 1/255;  w_i = alpha_i T_i while T_i >= min_transmittance
 //   color = sum w c(direction)   distance = sum w t   normal = sum w n   transmittance = product of (1 - alpha)
@@ -92,7 +92,9 @@ class Tracer {
   virtual std::string_view name() const = 0;
 };
 
-enum class TracerBackend : unsigned char { Reference, Embree };
+// Embree: on the device that use_device() chose (core/render/raster/device.h), if it chose one. Blocks: the kernels for a GPU as
+// loops on the CPU; for tests. A tracer of these computes one pass at a time.
+enum class TracerBackend : unsigned char { Reference, Embree, Blocks };
 std::unique_ptr<Tracer> make_tracer(TracerBackend backend = TracerBackend::Embree);
 
 }  // namespace vitrine

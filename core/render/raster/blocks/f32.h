@@ -114,5 +114,4 @@ VITRINE_HD inline F32 log_of(F32 x) {
   p = fma(p, m, F32(4.05456972e-1f));
   return fma(exponent, F32(0.693147181f), p);
 }
-
 }  // namespace vitrine::blocks

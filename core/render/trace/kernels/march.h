@@ -62,9 +62,9 @@ VITRINE_INLINE BlendGrad<T> blend_hit_vjp(const T& transmittance, const T& t, co
 }
 
 // Colour towards the ray: max(0, 0.5 + sum_k Y_k(direction) h_k). The basis belongs to the ray, not to the hit. `h`:
-// coefficient k of channel c is h[3 * k + c].
-template <class T>
-Vec3<T> ray_color(int degree, const T* basis, const T* h) {
+// coefficient k of channel c is h[3 * k + c], a pointer or what else has such an operator.
+template <class T, class Coefficients>
+VITRINE_HD Vec3<T> ray_color(int degree, const T* basis, const Coefficients& h) {
   Vec3<T> sum{T(0.5), T(0.5), T(0.5)};
   for (size_t k = 0; k < sh_coefficient_count(degree); ++k)
     for (size_t c = 0; c < 3; ++c) sum[c] = sum[c] + basis[k] * h[3 * k + c];
@@ -72,18 +72,26 @@ Vec3<T> ray_color(int degree, const T* basis, const T* h) {
   return sum;
 }
 
-// Reverse, where `color` is positive: grad_h[3 * k + c] += Y_k grad_c, and basis_weight[k] += grad.h_k, which sh_basis_vjp
-// converts to the gradient of the direction once per ray.
+// Reverse for the direction, where `color` is positive: basis_weight[k] += grad.h_k, which sh_basis_vjp converts to the gradient
+// of the direction once per ray.
+template <class T, class Coefficients>
+VITRINE_HD void add_basis_weights(int degree, const Coefficients& h, const Vec3<T>& color, const Vec3<T>& grad_color,
+                                  T* basis_weight) {
+  for (size_t c = 0; c < 3; ++c) {
+    if (!(color[c] > T(0))) continue;
+    for (size_t k = 0; k < sh_coefficient_count(degree); ++k) basis_weight[k] += T(h[3 * k + c]) * grad_color[c];
+  }
+}
+
+// The whole reverse: grad_h[3 * k + c] += Y_k grad_c where `color` is positive, and add_basis_weights().
 template <class T>
 void ray_color_vjp(int degree, const T* basis, const T* h, const Vec3<T>& color, const Vec3<T>& grad_color, T* grad_h,
                    T* basis_weight) {
   for (size_t c = 0; c < 3; ++c) {
     if (!(color[c] > T(0))) continue;
-    for (size_t k = 0; k < sh_coefficient_count(degree); ++k) {
-      grad_h[3 * k + c] += basis[k] * grad_color[c];
-      basis_weight[k] += h[3 * k + c] * grad_color[c];
-    }
+    for (size_t k = 0; k < sh_coefficient_count(degree); ++k) grad_h[3 * k + c] += basis[k] * grad_color[c];
   }
+  add_basis_weights(degree, h, color, grad_color, basis_weight);
 }
 
 }  // namespace vitrine

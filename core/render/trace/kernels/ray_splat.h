@@ -41,7 +41,7 @@ struct RayHit {
 };
 
 template <class T>
-RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
+VITRINE_HD RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
   using std::exp;
   using std::log;
   const Mat3<T> frame = rotation_matrix(normalized(raw.rotation));
@@ -81,7 +81,7 @@ struct HitMoments {
   T tilt_u{}, tilt_v{};  // r0 and r1 components of the normal's gradient, over s_u and s_v
   T log_su{}, log_sv{}, log_opacity{};
 
-  HitMoments& operator+=(const HitMoments& m) {
+  VITRINE_HD HitMoments& operator+=(const HitMoments& m) {
     u += m.u;
     v += m.v;
     plane += m.plane;
@@ -134,7 +134,7 @@ struct RaySurfelGrad {
 
 // Gradients of the raw values. Only the rotational part of dL/d[r0 r1 n] is formed: a rotation has no other.
 template <class T>
-RaySurfelGrad<T> ray_surfel_vjp(const SurfelGeometry<T>& raw, const T& opacity, const HitMoments<T>& m) {
+VITRINE_HD RaySurfelGrad<T> ray_surfel_vjp(const SurfelGeometry<T>& raw, const T& opacity, const HitMoments<T>& m) {
   using std::exp;
   const Mat3<T> frame = rotation_matrix(normalized(raw.rotation));
   const T su = exp(raw.log_su), sv = exp(raw.log_sv);

@@ -1,4 +1,5 @@
-// The Embree tracer against the executable specification, exact order, long lists, threads; and both against the rasteriser.
+// The tracers for production against the executable specification, exact order, long lists, threads; and against the
+// rasteriser.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,12 +19,16 @@ double worst_difference(const std::vector<float>& a, const std::vector<float>& b
   return worst;
 }
 
-TEST(EmbreeTracer, AgreesWithTheReferenceOnEveryScene) {
-  const auto reference = make_tracer(TracerBackend::Reference), embree = make_tracer(TracerBackend::Embree);
+class Backends : public testing::TestWithParam<TracerBackend> {};
+INSTANTIATE_TEST_SUITE_P(Tracers, Backends, testing::Values(TracerBackend::Embree, TracerBackend::Blocks),
+                         [](const auto& backend) { return backend.param == TracerBackend::Embree ? "Embree" : "Blocks"; });
+
+TEST_P(Backends, AgreesWithTheReferenceOnEveryScene) {
+  const auto reference = make_tracer(TracerBackend::Reference), tracer = make_tracer(GetParam());
   double worst_value = 0, worst_grad = 0;
   for (const RayScene& scene : ray_scenes()) {
     SCOPED_TRACE(scene.name);
-    const TracePass e = run(*reference, scene), a = run(*embree, scene);
+    const TracePass e = run(*reference, scene), a = run(*tracer, scene);
     const auto value = [&](const std::vector<float>& x, const std::vector<float>& y, const char* what) {
       const double d = worst_difference(x, y);
       EXPECT_LT(d, 2e-5) << what;
@@ -51,11 +56,11 @@ TEST(EmbreeTracer, AgreesWithTheReferenceOnEveryScene) {
     grad(a.statistics.error, e.statistics.error, 1, "error");
     grad(a.statistics.screen_gradient, e.statistics.screen_gradient, 1, "screen gradient");
   }
-  std::cout << "embree against reference: worst value difference " << worst_value << ", worst gradient relative L2 " << worst_grad
-            << "\n";
+  std::cout << tracer->name() << " against reference: worst value difference " << worst_value << ", worst gradient relative L2 "
+            << worst_grad << "\n";
 }
 
-TEST(EmbreeTracer, OrdersCoplanarSurfelsByIndex) {
+TEST_P(Backends, OrdersCoplanarSurfelsByIndex) {
   RayScene s;
   for (uint64_t i = 0; i < 40; ++i) add_surfel(s, {.mean = {0, 0, 1}, .su = 0.3, .sv = 0.3, .opacity = 0.3}, i);
   // Exactly the same plane: one rotation for all.
@@ -63,7 +68,7 @@ TEST(EmbreeTracer, OrdersCoplanarSurfelsByIndex) {
     std::copy_n(s.layer.at(Attribute::Rotation, 0), 4, s.layer.at(Attribute::Rotation, i));
   for (int i = 0; i < 30; ++i) s.add_ray({0.01 * i, 0.02, 0}, {0.002 * i, 0, 1});
   s.desc.min_transmittance = 1e-6f;
-  const TracePass a = run(*make_tracer(TracerBackend::Embree), s), e = run(*make_tracer(TracerBackend::Reference), s);
+  const TracePass a = run(*make_tracer(GetParam()), s), e = run(*make_tracer(TracerBackend::Reference), s);
   for (size_t i = 0; i < s.origins.size(); ++i) {
     const auto hits = a.hits.of(i);
     ASSERT_GT(hits.size(), 20u);
@@ -75,13 +80,13 @@ TEST(EmbreeTracer, OrdersCoplanarSurfelsByIndex) {
   EXPECT_LT(worst_difference(flat(a.values.color), flat(e.values.color)), 1e-5);
 }
 
-TEST(EmbreeTracer, TakesHundredsOfHitsInOrder) {
+TEST_P(Backends, TakesHundredsOfHitsInOrder) {
   RayScene s;
   for (uint64_t i = 0; i < 600; ++i)
     add_surfel(
         s, {.mean = {0, 0, 1 + 0.002 * double((i * 277) % 600)}, .normal = {0.05, 0, 1}, .su = 2, .sv = 2, .opacity = 0.01}, i);
   for (int i = 0; i < 20; ++i) s.add_ray({0.02 * i, 0, 0}, {0, 0.01 * i, 1});
-  const TracePass a = run(*make_tracer(TracerBackend::Embree), s), e = run(*make_tracer(TracerBackend::Reference), s);
+  const TracePass a = run(*make_tracer(GetParam()), s), e = run(*make_tracer(TracerBackend::Reference), s);
   for (size_t i = 0; i < s.origins.size(); ++i) {
     const auto hits = a.hits.of(i);
     EXPECT_EQ(hits.size(), 600u);
@@ -91,12 +96,12 @@ TEST(EmbreeTracer, TakesHundredsOfHitsInOrder) {
   EXPECT_LT(worst_difference(a.values.transmittance, e.values.transmittance), 1e-6);
 }
 
-TEST(EmbreeTracer, GivesTheSameBytesForOneTwoAndEightThreads) {
+TEST_P(Backends, GivesTheSameBytesForOneTwoAndEightThreads) {
   const RayScene s = ray_cloud("cloud", 4000, 3000, 0.05, 0.6, 31);
   std::vector<TracePass> passes;
   for (int threads : {1, 2, 8}) {
     set_thread_limit(threads);
-    passes.push_back(run(*make_tracer(TracerBackend::Embree), s));
+    passes.push_back(run(*make_tracer(GetParam()), s));
   }
   set_thread_limit(0);
   EXPECT_GT(passes[0].hits.size(), 20000u);
@@ -110,12 +115,12 @@ TEST(EmbreeTracer, GivesTheSameBytesForOneTwoAndEightThreads) {
 }
 
 // The tree may take any shape: the same surfels in another order in it, by a batch of others that nobody sees.
-TEST(EmbreeTracer, GivesTheSameBytesForAnotherTree) {
+TEST_P(Backends, GivesTheSameBytesForAnotherTree) {
   RayScene s = ray_cloud("cloud", 2000, 800, 0.08, 0.7, 32);
-  const TracePass plain = run(*make_tracer(TracerBackend::Embree), s);
+  const TracePass plain = run(*make_tracer(GetParam()), s);
   const size_t n = s.layer.size();
   for (uint64_t i = 0; i < 500; ++i) add_surfel(s, {.mean = {50.0 + double(i), 0, 0}, .su = 5, .sv = 5}, i);
-  const auto far_away = run(*make_tracer(TracerBackend::Embree), [&] {
+  const auto far_away = run(*make_tracer(GetParam()), [&] {
     RayScene limited = s;
     limited.far.assign(s.origins.size(), 20.f);
     return limited;
@@ -127,8 +132,8 @@ TEST(EmbreeTracer, GivesTheSameBytesForAnotherTree) {
   }
 }
 
-TEST(EmbreeTracer, EmptyLayersNoRaysAndBrokenValuesAreHarmless) {
-  const auto tracer = make_tracer(TracerBackend::Embree);
+TEST_P(Backends, EmptyLayersNoRaysAndBrokenValuesAreHarmless) {
+  const auto tracer = make_tracer(GetParam());
   RayScene s;
   s.add_ray({0, 0, 0}, {0, 0, 1});
   EXPECT_EQ(run(*tracer, s).values.transmittance[0], 1.f);
@@ -147,7 +152,7 @@ TEST(EmbreeTracer, EmptyLayersNoRaysAndBrokenValuesAreHarmless) {
 // takes it towards the mean, the tracer along the ray), rasteriser and tracer form the same picture. In another scene a hit may
 // lie so close to the cut at 1/255 or to another hit that rounding decides; then a pixel differs by a fraction of one step of
 // 255.
-TEST(EmbreeTracer, PrimaryRaysGiveThePictureOfTheRasteriser) {
+TEST_P(Backends, PrimaryRaysGiveThePictureOfTheRasteriser) {
   TinyScene picture = cloud_scene("primary", 400, 96, 80, 0.25, 0.8, 42);
   picture.desc.low_pass = false;
   picture.desc.sh_degree = 0;
@@ -168,7 +173,7 @@ TEST(EmbreeTracer, PrimaryRaysGiveThePictureOfTheRasteriser) {
       z_of_t.push_back(1 / length(d));
     }
   RayValues traced;
-  const auto tracer = make_tracer(TracerBackend::Embree);
+  const auto tracer = make_tracer(GetParam());
   tracer->build(s.layer);
   tracer->forward(s.rays(), s.desc, traced, nullptr);
   const size_t n = s.origins.size();
@@ -187,8 +192,8 @@ TEST(EmbreeTracer, PrimaryRaysGiveThePictureOfTheRasteriser) {
   EXPECT_LT(normal, 1e-4);
   EXPECT_LT(alpha, 1e-4);
   EXPECT_LT(depth, 1e-4);
-  std::cout << "raster against trace: color " << color << ", normal " << normal << ", alpha " << alpha << ", depth " << depth
-            << "\n";
+  std::cout << "raster against " << tracer->name() << ": color " << color << ", normal " << normal << ", alpha " << alpha
+            << ", depth " << depth << "\n";
 }
 
 }  // namespace
