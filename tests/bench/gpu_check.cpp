@@ -1,6 +1,6 @@
-// The passes, forward and reverse, and whole training steps on a CUDA device against the same kernels run as loops on the CPU:
-// bytes must be equal, also from run to run. Prints the time of each kernel and of steps. Exit codes: 0 equal, 1 different, 7 no
-// device.
+// The passes, forward and reverse, rays and whole training steps on a CUDA device against the same kernels run as loops on the
+// CPU: bytes must be equal, also from run to run. Prints the time of each kernel, of steps and of rays. Exit codes: 0 equal, 1
+// different, 7 no device.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -12,6 +12,7 @@
 #include "core/foundation/base/error.h"
 #include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/renderer.h"
+#include "tests/bench/gpu_rays.h"
 #include "tests/bench/gpu_steps.h"
 #include "tests/support/block_steps.h"
 #include "tests/support/tiny_scenes.h"
@@ -115,12 +116,14 @@ int run(bool small) {
     for (const FeatureSet features : {FeatureSet::ColorOnly, FeatureSet::Surface, FeatureSet::Material})
       equal = check(*device, scene, features) && equal;
   equal = check_steps() && equal;
+  equal = check_rays(small) && equal;
   std::printf("%s\n", equal ? "equal: device, loops on the CPU, and the second run on the device" : "the bytes differ");
   for (const TinyScene& scene : scenes(small))
     if (scene.layer.size() > 1000) print_times(scene);
   if (!small) {
     print_steps(50000, 480, 270);
     print_steps(300000, 1280, 800);
+    print_ray_times();
   }
   return equal ? 0 : 1;
 }

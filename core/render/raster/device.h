@@ -1,5 +1,5 @@
-// The device on which the renderers of this process compute. make_renderer(Backend::Cpu) gives renderers of the CPU until
-// use_device() chooses another one, before the first of them is made. Kernels for a device are linked into some programs
+// The device on which the renderers and tracers of this process compute. make_renderer(Backend::Cpu) gives renderers of the CPU
+// until use_device() chooses another one, before the first of them is made. Kernels for a device are linked into some programs
 // (blocks/cuda_pass.cu); tests put the same kernels as loops in their place.
 #pragma once
 

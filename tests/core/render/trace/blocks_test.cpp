@@ -89,6 +89,10 @@ std::vector<RayScene> crowded_scenes() {
     const Vec3d direction = normalized(random_vector(rng));
     far.add_ray(0.5 * random_in_cube(rng) - 400.0 * direction, direction);
   }
+  // Rounding in t is more than the thickness of the boxes.
+  all.push_back(coplanar_scene(60));
+  all.back().name = "plane_seen_from_afar";
+  for (size_t i = 0; i < all.back().origins.size(); ++i) all.back().origins[i] -= 700.f * all.back().directions[i];
   all.push_back(all[0]);
   all.back().name = "near_and_far";
   for (size_t i = 0; i < all.back().origins.size(); ++i) {
