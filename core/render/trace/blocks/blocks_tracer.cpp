@@ -14,11 +14,10 @@ namespace vitrine {
 namespace blocks {
 namespace {
 
-constexpr size_t kRayChunk = 4096;
-
 // Values of rays in the order of their places.
 class OrderedValues {
  public:
+  static constexpr size_t kChunk = 4096;  // rays
   // Empty: null.
   const float* scalars(std::span<const float> values, std::span<const uint32_t> ray_at) {
     if (values.empty()) return nullptr;
@@ -35,7 +34,7 @@ class OrderedValues {
   template <class Write>
   const float* gathered(size_t width, std::span<const uint32_t> ray_at, const Write& write) {
     values_.resize(width * ray_at.size());
-    parallel_chunks(ray_at.size(), kRayChunk, [&](size_t, size_t begin, size_t end) {
+    parallel_chunks(ray_at.size(), kChunk, [&](size_t, size_t begin, size_t end) {
       for (size_t place = begin; place < end; ++place) write(values_.data() + width * place, ray_at[place]);
     });
     return values_.data();
@@ -138,7 +137,7 @@ void BlocksTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
   float* const p = values.data();
   const RayPlanes<float> planes{p, p + 6 * n, p + 7 * n, p + 8 * n, p + 3 * n};
   run([&] { pass_->forward(ordered.of(rays, lists.ray_at), march_options(desc), planes, counts.data()); });
-  parallel_chunks(n, kRayChunk, [&](size_t, size_t begin, size_t end) {
+  parallel_chunks(n, OrderedValues::kChunk, [&](size_t, size_t begin, size_t end) {
     for (size_t at = begin; at < end; ++at) {
       const size_t i = lists.ray_at[at];
       for (size_t c = 0; c < 3; ++c) {

@@ -25,7 +25,7 @@ class TracePass {
   virtual void start_reverse(const RayArrays& rays, const MarchOptions& options, const TraceUpstream& upstream,
                              bool with_rays) = 0;
   virtual void reverse(uint32_t first, uint32_t end, const uint32_t* counts, const BlendedHit* hits, uint32_t hit_count) = 0;
-  // Writes all values of `out`, and [n, 3] of `origins` and `directions` if start_reverse() was told to compute them.
+  // Writes all values of `out`, and [n, 3] of `origins` and `directions` if start_reverse() was called `with_rays`.
   virtual void finish_reverse(const SurfelGradients& out, float* origins, float* directions) = 0;
 };
 
