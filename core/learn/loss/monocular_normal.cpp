@@ -34,10 +34,10 @@ class MonocularNormalLoss final : public Loss {
                            double sum = 0;
                            for (size_t i = y * width; i < (y + 1) * width; ++i) {
                              const Vec3f t{target[i], target[pixels + i], target[2 * pixels + i]};
-                             if (dot(t, t) < kShortestTarget || alpha[i] < kLeastNormalAlpha) continue;
+                             if (dot(t, t) < UsableNormal::kShortestTarget || alpha[i] < UsableNormal::kLeastAlpha) continue;
                              const Vec3f blended{normal[i], normal[pixels + i], normal[2 * pixels + i]};
                              const float length = std::sqrt(dot(blended, blended));
-                             if (length < kShortestNormal) continue;
+                             if (length < UsableNormal::kShortest) continue;
                              const float weight =
                                  (confidence.empty() ? 1.f : confidence[i]) * (ignore.empty() ? 1.f : 1.f - ignore[i]);
                              if (weight <= 0) continue;

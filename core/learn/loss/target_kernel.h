@@ -36,7 +36,9 @@ VITRINE_HD ChannelTerm<T> cross_entropy_term(const T& q, const T& mask) {
 
 // Pixels have no usable normal below this alpha, if the length of the blended normal is below this (opposite ones cancel), or if
 // the target has a smaller squared length: 0, unknown.
-inline constexpr float kLeastNormalAlpha = 0.3f, kShortestNormal = 0.05f, kShortestTarget = 0.25f;
+struct UsableNormal {
+  static constexpr float kLeastAlpha = 0.3f, kShortest = 0.05f, kShortestTarget = 0.25f;
+};
 
 // |n - n_t|_1 + 1 - n . n_t of unit vectors, and the part of its gradient by n that is perpendicular to n.
 template <class T>

@@ -232,7 +232,7 @@ void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64
   parallel_chunks(layer.size(), kChunk, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const float gate = noise_gate(opacity_of(layer, i));
-      if (gate < kNegligibleGate) continue;
+      if (gate < NoiseRule::kLeastGate) continue;
       Rng rng(seed, mix64(kNoiseStream, mix64(step, i)));
       const Vec3f xi{rng.normal(), rng.normal(), rng.normal()};
       const Mat3f axes = axes_of(layer, i);

@@ -55,6 +55,8 @@ VITRINE_HD T noise_gate(const T& opacity) {
   constexpr float kSteepness = 100.f, kThreshold = 0.005f;
   return sigmoid(T(kSteepness) * (T(kThreshold) - opacity));
 }
-inline constexpr float kNegligibleGate = 1e-4f;
+struct NoiseRule {
+  static constexpr float kLeastGate = 1e-4f;  // surfels below it stay
+};
 
 }  // namespace vitrine

@@ -33,6 +33,8 @@ inline AttributeRates rates_at(const RatesConfig& c, double fraction, double sce
   return rates;
 }
 
+// Step scale of the position of a surfel, and of its random walk, by its distance (densify_rules.h).
+// `mean`: x, y, z.
 inline float far_factor(const float* mean) { return far_factor(Vec3f{mean[0], mean[1], mean[2]}); }
 
 }  // namespace vitrine

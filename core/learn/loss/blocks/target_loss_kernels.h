@@ -82,7 +82,8 @@ struct TargetNormalKernel {
     const Vec3<F32> t{F32(target[i]), F32(target[size_t{pixels} + i]), F32(target[size_t{2} * pixels + i])};
     const Vec3<F32> blended = normal.at(i);
     const F32 length = sqrt(dot(blended, blended));
-    if (dot(t, t) < F32(kShortestTarget) || alpha[i] < kLeastNormalAlpha || length < F32(kShortestNormal)) return;
+    using Usable = UsableNormal;
+    if (dot(t, t) < F32(Usable::kShortestTarget) || alpha[i] < Usable::kLeastAlpha || length < F32(Usable::kShortest)) return;
     F32 weight = confidence == nullptr ? F32(1.f) : F32(confidence[i]);
     if (ignore != nullptr) weight *= F32(1.f) - F32(ignore[i]);
     if (weight <= F32(0.f)) return;

@@ -52,7 +52,7 @@ struct NoiseKernel {
     const uint32_t i = at.block * kThreads + at.thread;
     if (i >= from.count) return;
     const F32 gate = noise_gate(sigmoid(F32(from.opacity[i])));
-    if (gate < F32(kNegligibleGate)) return;
+    if (gate < F32(NoiseRule::kLeastGate)) return;
     const uint64_t key = mix64(seed, mix64(kNoiseStream, mix64(step, i)));  // Rng(seed, ...)
     Vec3<F32> xi;
     for (size_t c = 0; c < 3; ++c) xi[c] = normal_deviate(mix64(key, 2 * c), mix64(key, 2 * c + 1));
