@@ -1,41 +1,15 @@
 // Renderer "blocks": the table of a layer and the planes of a picture to the arrays of the kernels, and back.
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 #include <utility>
 
-#include "core/render/raster/blocks/block_pass.h"
-#include "core/render/raster/blocks/device_errors.h"
+#include "core/render/raster/blocks/device_host.h"
 #include "core/render/raster/renderer.h"
 
 namespace vitrine {
 
 namespace blocks {
 namespace {
-
-BlockView block_view(const RasterDesc& desc, const SplatLayer& layer) {
-  const Intrinsics& k = desc.intrinsics;
-  const Rigid& pose = desc.cam_from_world;
-  BlockView v{};
-  v.camera = {F32(k.fx),
-              F32(k.fy),
-              F32(k.cx),
-              F32(k.cy),
-              cast<F32>(pose.rotation),
-              cast<F32>(pose.translation),
-              cast<F32>(inverse(pose).translation)};
-  v.near_z = desc.near_z;
-  v.far_z = desc.far_z;
-  v.low_pass = static_cast<float>(desc.low_pass ? kLowPassInvVariance : kNoLowPass);
-  for (size_t c = 0; c < 3; ++c) v.background[c] = desc.background[c];
-  v.width = k.width;
-  v.height = k.height;
-  v.tiles_x = (k.width + BlockView::kTileSide - 1) / BlockView::kTileSide;
-  v.tiles_y = (k.height + BlockView::kTileSide - 1) / BlockView::kTileSide;
-  v.sh_degree = std::min(desc.sh_degree, layer.sh_degree());
-  return v;
-}
 
 constexpr std::array kMaterials{Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission};
 
@@ -100,11 +74,11 @@ class BlocksRenderer final : public Renderer {
     out.resize(desc);
     desc_ = desc;
     layer_ = &layer;
-    const PassScene scene{surfel_arrays(layer, desc.features), block_view(desc, layer),
+    const PassScene scene{surfel_arrays(layer, desc.features), block_view(desc, layer.sh_degree()),
                           static_cast<int>(feature_count(desc.features)), desc.distortion,
                           desc.wanted.empty() ? nullptr : desc.wanted.data()};
     counts_ = {};
-    on_device([&] { counts_.instances = pass_->forward(scene, pixel_planes(out, desc, work_)); });
+    on_device(load(), [&] { counts_.instances = pass_->forward(scene, pixel_planes(out, desc, work_)); });
     const size_t pixels = desc.intrinsics.pixel_count();
     for (size_t i = 0; i < pixels; ++i) {
       counts_.fragments += work_[i];
@@ -118,7 +92,7 @@ class BlocksRenderer final : public Renderer {
     SplatLayer added = grad.zeros_like();
     SurfelStatistics of_pass;
     of_pass.reset(n);
-    on_device([&] { pass_->reverse(gradient_planes(input, desc_), surfel_gradients(added, of_pass)); });
+    on_device(load(), [&] { pass_->reverse(gradient_planes(input, desc_), surfel_gradients(added, of_pass)); });
     for (const AttributeRow& r : kAttributes) add(grad.values(r.id), added.values(r.id));
     if (statistics == nullptr) return;
     for (auto* v : {&statistics->screen_gradient, &statistics->weight, &statistics->error}) v->resize(n, 0.f);
@@ -131,21 +105,7 @@ class BlocksRenderer final : public Renderer {
   std::string_view numerics_tag() const override { return "cuda-1"; }  // the same on the CPU and on every device
 
  private:
-  template <class Run>
-  void on_device(const Run& run) const {
-    blocks::on_device(run, [&] { return work(); });
-  }
-  DeviceWork work() const {
-    const int width = desc_.intrinsics.width, height = desc_.intrinsics.height;
-    const size_t surfels = layer_->size();
-    // The share: of the surfels times the pixels, by estimate.
-    const auto smaller = [=](double share) {
-      const double side = std::sqrt(share);
-      return fmt::format("{:.0f} surfels, or a picture of {:.0f} x {:.0f}, may fit; or --device cpu",
-                         share * static_cast<double>(surfels), side * width, side * height);
-    };
-    return {"the picture", fmt::format("{} surfels, {} x {} pixels", surfels, width, height), smaller};
-  }
+  DeviceLoad load() const { return {layer_->size(), desc_.intrinsics.width, desc_.intrinsics.height}; }
   static void add(std::span<float> to, std::span<const float> from) {
     for (size_t i = 0; i < from.size(); ++i) to[i] += from[i];
   }

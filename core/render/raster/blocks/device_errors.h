@@ -17,11 +17,11 @@ struct DeviceWork {
   std::function<std::string(double)> smaller;  // what this share of the work is, for a hint
 };
 
-// Runs `run`. Errors: DEVICE_MEMORY, DEVICE_OVERFLOW (exit 6), CUDA_FAILED (exit 8).
+// Returns run(). Errors: DEVICE_MEMORY, DEVICE_OVERFLOW (exit 6), CUDA_FAILED (exit 8).
 template <class Run, class Describe>
-void on_device(const Run& run, const Describe& describe) {
+auto on_device(const Run& run, const Describe& describe) {
   try {
-    run();
+    return run();
   } catch (const ExecutorMemory& e) {
     // The greater part of the memory grows with the work; a reverse pass takes as much again.
     const double share = 0.5 * static_cast<double>(e.held + e.free) / static_cast<double>(e.held + e.needed);
