@@ -15,6 +15,9 @@ VITRINE_HD inline F32 five_twelfths(F32 x) {
   return root * sqrt(sqrt(root));
 }
 
+// Clamped to [0, 1]; what is no number stays so, and the loss shows it.
+VITRINE_HD inline F32 displayed(F32 linear) { return min(F32(1.f), max(F32(0.f), linear)); }
+
 // Planes are [3,h,w].
 struct DisplayKernel {
   static constexpr uint32_t kThreads = 128;
@@ -31,13 +34,13 @@ struct DisplayKernel {
     if (pixel >= pixels) return;
     for (uint32_t c = 0; c < 3; ++c) {
       const size_t i = size_t{c} * pixels + pixel;
-      const F32 l = clamp(F32(gain[c]) * F32(linear[i]), F32(0.f), F32(1.f));
+      const F32 l = displayed(F32(gain[c]) * F32(linear[i]));
       srgb[i] = (l > F32(kSrgbKnee) ? F32(1.055f) * five_twelfths(l) - F32(0.055f) : F32(12.92f) * l).v;
     }
   }
 };
 
-// gradient: of the displayed picture, then of `linear`.
+// gradient: of the displayed picture, then of `linear`. That of a clipped value only moves it back into range (DisplayPass).
 struct DisplayReverseKernel {
   static constexpr uint32_t kThreads = 128;
   using Shared = NoShared;
@@ -53,10 +56,10 @@ struct DisplayReverseKernel {
     if (pixel >= pixels) return;
     for (uint32_t c = 0; c < 3; ++c) {
       const size_t i = size_t{c} * pixels + pixel;
-      const F32 l = F32(gain[c]) * F32(linear[i]);
-      F32 slope = 0.f;
-      if (l >= F32(0.f) && l <= F32(1.f)) slope = l > F32(kSrgbKnee) ? F32(1.055f / 2.4f) * five_twelfths(l) / l : F32(12.92f);
-      gradient[i] = (F32(gain[c]) * slope * F32(gradient[i])).v;
+      const F32 whole = F32(gain[c]) * F32(linear[i]), l = displayed(whole), g(gradient[i]);
+      const F32 seen = whole > F32(1.f) ? max(g, F32(0.f)) : whole < F32(0.f) ? min(g, F32(0.f)) : g;
+      const F32 slope = l > F32(kSrgbKnee) ? F32(1.055f / 2.4f) * five_twelfths(l) / l : F32(12.92f);
+      gradient[i] = (F32(gain[c]) * slope * seen).v;
     }
   }
 };
