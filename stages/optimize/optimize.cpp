@@ -187,7 +187,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   for (const auto& file : fs::directory_iterator(previews))
     link_or_copy(file.path(), context.output() / "optimize/previews" / file.path().filename());
 
-  const double surfels = double(surfel_count(trainer->scene()));
+  const double surfels = double(surfel_count(*trainer));
   context.metric("surfels", surfels);
   context.metric("loss", trainer->epochs().empty() ? trainer->recent_loss() : trainer->epochs().back().loss);
   std::string text = fmt::format("{:.0f}k surfels", surfels / 1000);

@@ -63,7 +63,7 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       planes_(std::move(planes)),
       background_(background),
       sheets_(trains_sheets(setup.config, setup.shapes) && setup.layers.transmittance),
-      initial_surfels_(scene_.diffuse.size()) {
+      initial_surfels_(surfels(LayerKind::Diffuse)) {
   // Never relocate transmittance surfels for low weight: held-out views may see them.
   densify_behind_glass_.idle_weight = 0;
   if (setup_.medium) medium_.emplace(setup_.medium->kind, setup_.medium->coefficients);
@@ -137,15 +137,14 @@ void Trainer::end_step() {
     const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
     const size_t gone = kind == LayerKind::Transmittance ? from_behind_glass_ : 0;
     const DensifyRhythm rhythm = densify_rhythm(d, setup_.capture.train.size(), (until - from) * config().iterations);
-    training(kind).move(kind == LayerKind::Transmittance ? densify_behind_glass_ : d,
-                        {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
-                                    .step = step_index(),
-                                    .cap = first ? diffuse_cap() : cap(kind) - gone,
-                                    .times = rhythm.times,
-                                    .scene_radius = kSceneRadius},
-                         .now = step_index() % rhythm.interval == 0 && training(kind).pictures() >= rhythm.pictures,
-                         .noise = static_cast<float>(kNoise * kNoiseScale * rate)},
-                        scene_.layer(kind));
+    move(kind, kind == LayerKind::Transmittance ? densify_behind_glass_ : d,
+         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
+                     .step = step_index(),
+                     .cap = first ? diffuse_cap() : cap(kind) - gone,
+                     .times = rhythm.times,
+                     .scene_radius = kSceneRadius},
+          .now = step_index() % rhythm.interval == 0 && pictures(kind) >= rhythm.pictures,
+          .noise = static_cast<float>(kNoise * kNoiseScale * rate)});
   }
 }
 
@@ -159,7 +158,7 @@ LayerInitDesc Trainer::init_desc() const {
 }
 
 void Trainer::begin_sheets() {
-  ShapeSet sheets = known_sheets(init_desc(), scene_);
+  ShapeSet sheets = known_sheets(init_desc(), scene_to_change());
   log_info("step {}: {} sheets and blocks of glass begin", step_index(), sheets.entries.size());
   shapes_.add(std::move(sheets));
   bend_in_solids();
@@ -173,29 +172,30 @@ void Trainer::bend_in_solids() { solids_ = shapes_.set() ? solid_glass(*shapes_.
 void Trainer::doubt_content_of_solids() {
   if (!solids_) return;
   const float doubted = raw_value(row(Attribute::Opacity).activation, float(kInSolid));
-  for (size_t i = 0; i < scene_.diffuse.size(); ++i) {
-    const float* m = scene_.diffuse.at(Attribute::Mean, i);
-    float& opacity = *scene_.diffuse.at(Attribute::Opacity, i);
+  SplatLayer& diffuse = scene_to_change().diffuse;
+  for (size_t i = 0; i < diffuse.size(); ++i) {
+    const float* m = diffuse.at(Attribute::Mean, i);
+    float& opacity = *diffuse.at(Attribute::Opacity, i);
     if (opacity > doubted && solids_->contains({m[0], m[1], m[2]})) opacity = doubted;
   }
 }
 
 // Adds the withheld specular pixels of the validation photos to training for the rest of the run.
 void Trainer::judge_layers() {
-  if (judged_ || scene_.opaque.size() == 0) return;
+  if (judged_ || !has_opaque_twin()) return;
   for (LayerKind kind : kAllLayers)
     if (setup_.layers.has(kind) && !begun(kind)) return;  // the shapes of the layer are not known yet
   judged_ = 1;
   ImageOptions options = image_options();
   options.surface.ray_budget = 0;
   options.opaque.layered = 1;
-  if (options.shape.set) shapes_.set_layered(layered_shares(scene_, options, setup_.capture, setup_.targets, setup_.judges));
+  if (options.shape.set) shapes_.set_layered(layered_shares(scene(), options, setup_.capture, setup_.targets, setup_.judges));
 }
 
 void Trainer::finish() {
   judge_layers();
   if (!sheets_ || !begun(LayerKind::Transmittance) || glass_surfels_ > 0) return;
-  const HullCounts counts = begin_transmittance(init_desc(), SIZE_MAX, SIZE_MAX, scene_);
+  const HullCounts counts = begin_transmittance(init_desc(), SIZE_MAX, SIZE_MAX, scene_to_change());
   glass_surfels_ = counts.hull;
   log_info("{} surfels carry the glass; {} that are seen through it alone are the transmittance layer", counts.hull,
            counts.moved);
@@ -215,18 +215,18 @@ void Trainer::begin_phases() {
     }
     changed = true;
     const auto begin = kind == LayerKind::Reflection ? begin_reflection : begin_transmittance;
-    const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
+    const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_to_change());
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there",
-             step_index(), name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
+             step_index(), name(kind), surfels(kind), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && !counts.known_points.empty())
       known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
     ShapeSet known = counts.shapes;
     if (!config().shading.shapes) known = known.glass();
     if (!config().shading.panes) known = known.no_glass();
     shapes_.add(std::move(known));
-    training(kind).restart(scene_.layer(kind));
+    training(kind).restart(scene().layer(kind));
   }
-  if (changed) training(LayerKind::Diffuse).restart(scene_.diffuse);  // the surfels changed: reset the optimiser state
+  if (changed) training(LayerKind::Diffuse).restart(scene().diffuse);  // the surfels changed: reset the optimiser state
 }
 
 // Runs when densification has ended: relocation would remove surfels that no photo needs, or move them to other layers.
@@ -238,22 +238,23 @@ void Trainer::fill_unseen() {
   const bool thin_glass = config().shading.glass == Glass::Thin && setup_.layers.transmittance;
   if (thin_glass && !sheets_) fill_beside_glass();
   const SplatLayer unseen =
-      inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_, background_,
+      inpainted_planes(thin_glass ? seen_through_glass(scene()) : scene().diffuse, setup_.capture, planes_, background_,
                        size_t(kMostUnseen * double(config().max_gaussians)), medium_ ? &medium_->coefficients() : nullptr);
-  scene_.diffuse = joined(scene_.diffuse, unseen);
+  SplatLayer& diffuse = scene_to_change().diffuse;
+  diffuse = joined(diffuse, unseen);
   unseen_surfels_ = unseen.size();
-  training(LayerKind::Diffuse).grow(scene_.diffuse.size());
+  training(LayerKind::Diffuse).grow(surfels(LayerKind::Diffuse));
   log_info("step {}: {} surfels close gaps of the surroundings that no photo shows; their colours are guessed", step_index(),
            unseen_surfels_);
 }
 
 void Trainer::fill_beside_glass() {
-  const size_t before = scene_.transmittance.size();
-  const std::vector<uint32_t> stay = bring_out_from_behind_glass(setup_.capture, planes_, scene_);
+  const size_t before = surfels(LayerKind::Transmittance);
+  const std::vector<uint32_t> stay = bring_out_from_behind_glass(setup_.capture, planes_, scene_to_change());
   from_behind_glass_ = before - stay.size();
   if (from_behind_glass_ == 0) return;
   training(LayerKind::Transmittance).keep_only(stay);
-  training(LayerKind::Diffuse).grow(scene_.diffuse.size());
+  training(LayerKind::Diffuse).grow(surfels(LayerKind::Diffuse));
   log_info("step {}: {} surfels of walls that photos show through glass alone close gaps next to the glass", step_index(),
            from_behind_glass_);
 }
@@ -265,7 +266,7 @@ ImageOptions Trainer::image_options() const {
   options.transmission.thick = solids_;
   if (medium_) options.medium = medium_->coefficients();
   if (judged_) options.opaque.layered = kLayeredElsewhere;
-  if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
+  if (filled_) options.panes.mirrored = surfels(LayerKind::Diffuse) - unseen_surfels_ - glass_surfels_;
   return options;
 }
 
@@ -274,7 +275,7 @@ void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
   options.surface.ray_budget = 0;
   options.composite.layer_images = layers;
   frame.differentiable = false;
-  model_.forward(scene_, poses_.view(photo), options, frame);
+  model_.forward(scene(), poses_.view(photo), options, frame);
 }
 
 void Trainer::transfer(Archive& archive) {

@@ -47,7 +47,7 @@ class Trainer : public Training {
   static size_t cap(const TrainerSetup& setup, LayerKind kind);    // largest number of surfels of the layer
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
-  void set_opaque_twin(SplatLayer twin) { scene_.opaque = std::move(twin); }  // twin of the layers, before their first step
+  void set_opaque_twin(SplatLayer twin) { scene_to_change().opaque = std::move(twin); }  // twin of the layers, before their first step
   // Renders one photo's view at full size with all rays (frame.srgb is the photo), and blends it with the opaque twin once the
   // layer shares are known; `layers`: also renders each layer separately.
   void picture(uint32_t photo, bool layers, Frame& frame) const;

@@ -26,7 +26,7 @@ std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, const Den
 }
 
 void report_progress(const Trainer& trainer, const TrainingPart& part, int iterations, StageContext& context) {
-  const double step = double(trainer.step_index()), surfels = double(surfel_count(trainer.scene()));
+  const double step = double(trainer.step_index()), surfels = double(surfel_count(trainer));
   context.progress({.fraction = part.from + part.share * step / iterations,
                     .text = fmt::format("{}step {}/{}  loss {:.4f}  {:.0f}k surfels", part.name, trainer.step_index(), iterations,
                                         trainer.recent_loss(), surfels / 1000),
@@ -58,8 +58,10 @@ const DenseDepth& LazyDepth::get() {
            capture_.train.size(), timer.seconds());
   return *depth_;
 }
-size_t surfel_count(const SplatScene& scene) {
-  return scene.diffuse.size() + scene.reflection.size() + scene.transmittance.size();
+size_t surfel_count(const Trainer& trainer) {
+  size_t count = 0;
+  for (LayerKind kind : kAllLayers) count += trainer.surfels(kind);
+  return count;
 }
 
 // Resumes from the checkpoint if it is valid.

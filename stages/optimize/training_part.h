@@ -42,6 +42,6 @@ std::unique_ptr<Trainer> started(const TrainerSetup& setup, const std::filesyste
 // All remaining steps. Throws Error{Diverged} if nothing usable is left at the end.
 void train(const OptimizeConfig& config, const Capture& capture, Trainer& trainer, const TrainingPart& part,
            StageContext& context);
-size_t surfel_count(const SplatScene& scene);
+size_t surfel_count(const Trainer& trainer);
 
 }  // namespace vitrine

@@ -60,14 +60,14 @@ FineTune::FineTune(const FineTuneConfig& config, const Capture& capture, const T
                plan_of(config, start).image, start.surfels),
       plan_(plan_of(config, start)),
       average_after_(kAverageFrom * config.iterations),
-      mean_(scene_.zeros_like()) {}
+      mean_(scene().zeros_like()) {}
 
 void FineTune::end_step() {
   if (double(step_index()) <= average_after_) return;
   const float part = 1.f / static_cast<float>(++averaged_);
   for (LayerKind kind : kAllLayers)
     for (const AttributeRow& r : kAttributes) {
-      const std::span<const float> now = std::as_const(scene_).layer(kind).values(r.id);
+      const std::span<const float> now = scene().layer(kind).values(r.id);
       const std::span<float> mean = mean_.layer(kind).values(r.id);
       parallel_chunks(mean.size(), kGrain, [&](size_t, size_t first, size_t last) {
         for (size_t i = first; i < last; ++i) mean[i] += part * (now[i] - mean[i]);
@@ -82,7 +82,7 @@ void FineTune::transfer(Archive& archive) {
     SplatLayer& mean = mean_.layer(kind);
     const size_t surfels = mean.size();
     archive.layer(mean);
-    if (mean.kind() != kind || mean.size() != surfels || scene_.layer(kind).size() != surfels)
+    if (mean.kind() != kind || mean.size() != surfels || scene().layer(kind).size() != surfels)
       archive.fail("its parts have different sizes");
   }
 }

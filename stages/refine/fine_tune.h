@@ -34,7 +34,7 @@ class FineTune : public Training {
   FineTune(const FineTuneConfig& config, const Capture& capture, const Targets& targets, const TrainedScene& start);
 
   // The mean scene so far; the current scene before averaging starts.
-  const SplatScene& mean() const { return averaged_ > 0 ? mean_ : scene_; }
+  const SplatScene& mean() const { return averaged_ > 0 ? mean_ : scene(); }
 
  private:
   StepPlan plan() override { return plan_; }

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "core/foundation/base/error.h"
+#include "core/learn/trainer/blocks/step_blocks.h"
 #include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/renderer.h"
 #include "tests/bench/gpu_rays.h"
-#include "tests/bench/gpu_steps.h"
 #include "tests/support/block_steps.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -85,26 +85,47 @@ void print_times(const TinyScene& scene) {
   std::printf("  %8.3f ms  all kernels\n", sum);
 }
 
-// Bytes of the surfels after training steps.
-bool check_steps() {
+// Surfels after training steps that stay in the memory of the device, a relocation among them.
+std::vector<std::vector<float>> trained(blocks::StepPass& steps, uint32_t surfels, int width, int height) {
   constexpr int kSteps = 10;
-  const test::StepScene scene(800, 90, 60, 2);
-  const blocks::BlockLoops loops;
-  blocks::StepBlocks<blocks::BlockLoops> here(loops, scene.start(), 800 + 40);
-  const auto photos = test::add_photos(here, scene, loops);
-  test::take_steps(here, photos, kSteps);
-  here.relocate(1, kSteps, 0.02, 1.05);
-  test::take_steps(here, photos, kSteps);
-  const size_t different = differences(here.values(), gpu_steps(800, 90, 60, kSteps).values);
-  std::printf("%d training steps: %zu floats differ from the loops on the CPU\n", 2 * kSteps, different);
+  test::StepScene scene(surfels, width, height, 2);
+  const auto photos = scene.start(steps);
+  test::take_steps(steps, scene, photos, kSteps);
+  steps.relocate(1, kSteps, 0.02, 1.05, surfels + surfels / 20);
+  steps.walk(10.f, 1, kSteps);
+  test::take_steps(steps, scene, photos, kSteps);
+  return test::surfel_values(steps);
+}
+
+bool check_steps() {
+  blocks::StepBlocks<blocks::BlockLoops> loops{blocks::BlockLoops()};
+  const size_t different = differences(trained(loops, 800, 90, 60), trained(*blocks::make_cuda_steps(), 800, 90, 60));
+  std::printf("training steps: %zu floats differ from the loops on the CPU\n", different);
   return different == 0;
+}
+
+struct Timed {
+  double ms, l1;  // of a step; of the last one
+};
+Timed timed_steps(uint32_t surfels, int width, int height, int count, std::map<std::string, double>* kernel_ms) {
+  const auto steps = blocks::make_cuda_steps(kernel_ms);
+  test::StepScene scene(surfels, width, height, 2);
+  const auto photos = scene.start(*steps);
+  test::take_steps(*steps, scene, photos, count);
+  steps->report();
+  if (kernel_ms != nullptr) kernel_ms->clear();
+  const auto begin = std::chrono::steady_clock::now();
+  test::take_steps(*steps, scene, photos, count);
+  const double l1 = steps->report()->l1;  // waits
+  const std::chrono::duration<double, std::milli> all = std::chrono::steady_clock::now() - begin;
+  return {all.count() / count, l1};
 }
 
 void print_steps(uint32_t surfels, int width, int height) {
   constexpr int kSteps = 50;
   std::map<std::string, double> kernels;
-  const GpuSteps steps = gpu_steps(surfels, width, height, kSteps);
-  gpu_steps(surfels, width, height, kSteps, &kernels);
+  const Timed steps = timed_steps(surfels, width, height, kSteps, nullptr);
+  timed_steps(surfels, width, height, kSteps, &kernels);
   std::printf("step, %d x %d, %u surfels: %.3f ms (L1 %.4f)\n", width, height, surfels, steps.ms, steps.l1);
   for (const auto& [kernel, ms] : kernels) std::printf("  %8.3f ms  %s\n", ms / kSteps, kernel.c_str());
 }

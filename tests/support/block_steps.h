@@ -1,45 +1,55 @@
 // Surfels and photos for training steps as kernels (core/learn/trainer/blocks): disturbed surfels learn pictures of the
-// undisturbed ones, which the renderer "blocks" made.
+// undisturbed ones.
 #pragma once
 
 #include <algorithm>
 #include <vector>
 
 #include "core/foundation/base/rng.h"
-#include "core/learn/trainer/blocks/step_blocks.h"
+#include "core/learn/trainer/blocks/step_pass.h"
 
 namespace vitrine::test {
 
 class StepScene {
  public:
+  static constexpr uint32_t kWidths[kAttributeCount] = {3, 4, 2, 1, 3, 9, 0, 0, 0, 0};
+
   // `count` surfels in front of `views` cameras in a row, of pictures of width x height. No function of a library is used: the
   // values are the same on every machine.
   StepScene(uint32_t count, int width, int height, int views) : count_(count) {
     Rng rng(7);
+    std::vector<float>&mean = values_[0], &dc = values_[4];
     for (uint32_t i = 0; i < count; ++i) {
-      for (const float range : {3.f, 2.f, 1.f}) mean_.push_back((rng.uniform() - 0.5f) * range);
-      for (const float at : {1.f, 0.f, 0.f, 0.f}) rotation_.push_back(at + (rng.uniform() - 0.5f) * 0.6f);
-      for (int c = 0; c < 2; ++c) log_scale_.push_back(scale_of(count) + (rng.uniform() - 0.5f));
-      opacity_.push_back(rng.uniform() * 2);
-      for (int c = 0; c < 3; ++c) sh_dc_.push_back((rng.uniform() - 0.5f) * 2);
-      for (int c = 0; c < 9; ++c) sh_rest_.push_back((rng.uniform() - 0.5f) * 0.1f);
+      for (const float range : {3.f, 2.f, 1.f}) mean.push_back((rng.uniform() - 0.5f) * range);
+      for (const float at : {1.f, 0.f, 0.f, 0.f}) values_[1].push_back(at + (rng.uniform() - 0.5f) * 0.6f);
+      for (int c = 0; c < 2; ++c) values_[2].push_back(scale_of(count) + (rng.uniform() - 0.5f));
+      values_[3].push_back(rng.uniform() * 2);
+      for (int c = 0; c < 3; ++c) dc.push_back((rng.uniform() - 0.5f) * 2);
+      for (int c = 0; c < 9; ++c) values_[5].push_back((rng.uniform() - 0.5f) * 0.1f);
     }
     for (int k = 0; k < views; ++k) views_.push_back(view_of(k, views, width, height));
-    disturbed_dc_ = sh_dc_;
-    disturbed_mean_ = mean_;
-    for (float& v : disturbed_dc_) v += (rng.uniform() - 0.5f) * 1.5f;
-    for (float& v : disturbed_mean_) v += (rng.uniform() - 0.5f) * 0.01f;
+    true_mean_ = mean;
+    true_dc_ = dc;
+    for (float& v : dc) v += (rng.uniform() - 0.5f) * 1.5f;
+    for (float& v : mean) v += (rng.uniform() - 0.5f) * 0.01f;
+    for (size_t a = 0; a < kAttributeCount; ++a) zeros_[a].resize(size_t{kWidths[a]} * count);
+    ones_.assign(count, 1.f);
+    sums_.resize(count);
+    counts_.resize(count);
   }
 
-  blocks::SurfelArrays truth() const { return arrays(mean_, sh_dc_); }
-  blocks::SurfelArrays start() const { return arrays(disturbed_mean_, disturbed_dc_); }
   const std::vector<blocks::BlockView>& views() const { return views_; }
-
-  // Display-referred pictures of the truth.
-  template <class Executor>
-  std::vector<float> photo(Executor executor, const blocks::BlockView& view) const {
-    blocks::StepBlocks<Executor> renderer(executor, truth(), count_);
-    return renderer.picture({view, {1.f, 1.f, 1.f}, 0});
+  // Pictures of the undisturbed surfels, then the disturbed ones are put there.
+  std::vector<std::vector<uint16_t>> start(blocks::StepPass& steps) {
+    steps.put(state(true));
+    std::vector<std::vector<uint16_t>> photos;
+    for (const blocks::BlockView& view : views_) {
+      auto& photo = photos.emplace_back();
+      for (const float value : steps.picture(view, {1.f, 1.f, 1.f}))
+        photo.push_back(static_cast<uint16_t>(value * 65535.f + 0.5f));
+    }
+    steps.put(state(false));
+    return photos;
   }
 
  private:
@@ -65,41 +75,73 @@ class StepScene {
     v.sh_degree = 1;
     return v;
   }
-  blocks::SurfelArrays arrays(const std::vector<float>& mean, const std::vector<float>& dc) const {
-    blocks::SurfelArrays s{};
-    s.mean = mean.data();
-    s.rotation = rotation_.data();
-    s.log_scale = log_scale_.data();
-    s.opacity = opacity_.data();
-    s.sh_dc = dc.data();
-    s.sh_rest = sh_rest_.data();
-    s.sh_rest_width = 9;
-    s.count = count_;
+  blocks::StepState state(bool truth) {
+    blocks::StepState s{};
+    s.surfels = count_;
+    for (size_t a = 0; a < kAttributeCount; ++a) {
+      s.width[a] = kWidths[a];
+      s.value[a] = truth && a == 0 ? true_mean_.data() : truth && a == 4 ? true_dc_.data() : values_[a].data();
+      s.m[a] = s.v[a] = zeros_[a].data();
+    }
+    s.weight = s.error = s.screen_gradient = sums_.data();
+    s.share = ones_.data();
+    s.steps = s.seen = counts_.data();
     return s;
   }
 
   uint32_t count_;
-  std::vector<float> mean_, rotation_, log_scale_, opacity_, sh_dc_, sh_rest_, disturbed_mean_, disturbed_dc_;
+  std::vector<float> values_[kAttributeCount], zeros_[kAttributeCount], true_mean_, true_dc_, ones_, sums_;
+  std::vector<uint32_t> counts_;
   std::vector<blocks::BlockView> views_;
 };
 
-inline constexpr std::array<float, 6> kStepRates{1e-3f, 4e-3f, 1e-2f, 5e-2f, 2e-2f, 1e-3f};
-
 // Runs `count` steps through the photos in turn; `losses`: the L1 of each, for which each step waits.
-template <class Steps, class Photos>
-void take_steps(Steps& steps, const Photos& photos, int count, std::vector<double>* losses = nullptr) {
+inline void take_steps(blocks::StepPass& steps, const StepScene& scene, const std::vector<std::vector<uint16_t>>& photos,
+                       int count, std::vector<double>* losses = nullptr) {
   for (int k = 0; k < count; ++k) {
-    steps.step(photos[static_cast<size_t>(k) % photos.size()], kStepRates, {0.8f, 0.2f});
-    if (losses != nullptr) losses->push_back(steps.losses().l1);
+    const uint32_t photo = static_cast<uint32_t>(k) % static_cast<uint32_t>(photos.size());
+    blocks::StepDesc desc{};
+    desc.view = scene.views()[photo];
+    for (float& gain : desc.gain) gain = 1;
+    desc.clipped = 0.98f;
+    desc.specular_weight = 1;
+    desc.losses[blocks::BlockLoss::L1] = 0.8f;
+    desc.losses[blocks::BlockLoss::Dssim] = 0.2f;
+    desc.losses[blocks::BlockLoss::NormalConsistency] = 0.05f;
+    desc.losses[blocks::BlockLoss::Opacity] = desc.losses[blocks::BlockLoss::Scale] = 0.003f;
+    std::copy_n(std::begin({1e-3f, 4e-3f, 1e-2f, 5e-2f, 2e-2f, 1e-3f}), 6, desc.rates);
+    desc.rarest = 4;
+    desc.trained = steps.surfels();
+    blocks::StepPhoto picture{};
+    picture.photo = photo;
+    picture.pixels = static_cast<uint32_t>(desc.view.width * desc.view.height);
+    picture.srgb = photos[photo].data();
+    steps.step(desc, picture);
+    if (losses != nullptr) losses->push_back(steps.report()->l1);
   }
 }
 
-template <class Executor>
-std::vector<blocks::StepPhoto> add_photos(blocks::StepBlocks<Executor>& steps, const StepScene& scene, const Executor& executor) {
-  std::vector<blocks::StepPhoto> photos;
-  for (const blocks::BlockView& view : scene.views())
-    photos.push_back({view, {1.f, 1.f, 1.f}, steps.add_photo(scene.photo(executor, view))});
-  return photos;
+// The values of the surfels, attribute by attribute, from the device.
+inline std::vector<std::vector<float>> surfel_values(blocks::StepPass& steps) {
+  const size_t n = steps.surfels();
+  std::vector<std::vector<float>> values(kAttributeCount), m(kAttributeCount), v(kAttributeCount), sums(4, std::vector<float>(n));
+  std::vector<uint32_t> counts[2] = {std::vector<uint32_t>(n), std::vector<uint32_t>(n)};
+  blocks::StepState s{};
+  for (size_t a = 0; a < kAttributeCount; ++a) {
+    s.width[a] = StepScene::kWidths[a];
+    for (auto* all : {&values, &m, &v}) (*all)[a].resize(n * s.width[a]);
+    s.value[a] = values[a].data();
+    s.m[a] = m[a].data();
+    s.v[a] = v[a].data();
+  }
+  s.weight = sums[0].data();
+  s.error = sums[1].data();
+  s.screen_gradient = sums[2].data();
+  s.share = sums[3].data();
+  s.steps = counts[0].data();
+  s.seen = counts[1].data();
+  steps.get(s);
+  return values;
 }
 
 }  // namespace vitrine::test

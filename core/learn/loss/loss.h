@@ -63,6 +63,8 @@ class Loss {
   // Adds `scale` times the gradient to `gradient` and returns the unscaled value.
   virtual double evaluate(const LossInput& input, double scale, LossGradient& gradient) = 0;
   virtual void describe_options(Describer&) {}  // options other than the weight
+  // Whether its options leave it in at this step of a run.
+  virtual bool takes_part(uint64_t) const { return true; }
 };
 
 struct LossFactory {

@@ -33,9 +33,10 @@ class PerceptualLoss final : public Loss {
     d.option("vgg", weights_, "safetensors file of a VGG network (core/learn/loss/README.md); empty = no perceptual loss.")
         .file();
   }
+  bool takes_part(uint64_t step) const override { return !weights_.empty() && step % static_cast<uint64_t>(every_) == 0; }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
-    if (weights_.empty() || input.step % static_cast<uint64_t>(every_) != 0) return 0;
+    if (!takes_part(input.step)) return 0;
     if (!network_ || loaded_ != weights_) {
       network_.emplace(weights_);
       loaded_ = weights_;

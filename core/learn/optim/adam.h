@@ -36,6 +36,12 @@ class Adam {
   void forget(size_t surfel);                      // resets the history of one surfel
   void keep_only(std::span<const uint32_t> kept);  // ascending indices of the remaining surfels
 
+  // The whole state, for a training on a device.
+  struct Moments {
+    SplatLayer &m, &v;
+    std::vector<uint32_t>& steps;
+  };
+  Moments moments() { return {m_, v_, steps_}; }
   void transfer(Archive& archive);
 
  private:

@@ -47,6 +47,9 @@ class LayerTraining {
   void restart(const SplatLayer& layer);
 
   const TrainCounts& counts() const { return counts_; }
+  TrainCounts& counts() { return counts_; }
+  Adam& adam() { return adam_; }
+  SurfelAccumulator& accumulator() { return accumulator_; }
   uint32_t pictures() const { return accumulator_.pictures; }  // since the last densification or external change of the layer
   void transfer(Archive& archive);
   size_t size() const { return adam_.size(); }

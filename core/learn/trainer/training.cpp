@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/foundation/base/checkpoint.h"
 #include "core/foundation/base/log.h"
 #include "core/foundation/base/parallel.h"
 #include "core/foundation/base/process.h"
-#include "core/foundation/base/checkpoint.h"
 #include "core/learn/trainer/frozen_surfels.h"
 
 namespace vitrine {
@@ -21,6 +21,9 @@ constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
 // Fewer consecutive pictures without a surfel are tolerated: for example a photo of the lens cap.
 constexpr uint32_t kBlankPictures = 3;
+
+bool is_broken(const DescentCounts& done) { return double(done.skipped) > kBadShare * double(done.active); }
+
 // Steps of align(), and how their size falls: from 0.06 degrees to 0.002.
 constexpr int kAlignSteps = 60;
 constexpr double kAlignRate = 1e-3, kAlignDecay = 0.03;
@@ -49,27 +52,64 @@ std::vector<View> cameras_of(const Capture& capture) {
 }  // namespace
 
 Training::Training(const TrainingDesc& desc, const ImageOptions& image, SplatScene start)
-    : scene_(std::move(start)), model_(image), poses_(cameras_of(desc.capture)), desc_(desc) {
-  for (LayerKind kind : kAllLayers) layers_.emplace_back(scene_.layer(kind));
-}
+    : model_(image), poses_(cameras_of(desc.capture)), desc_(desc), state_(std::move(start)) {}
 
 void Training::step() {
   const StepPlan plan = this->plan();
   const std::vector<uint32_t>& photos = desc_.capture.train;
   const uint32_t photo = photo_order(photos, desc_.seed, step_ / photos.size())[step_ % photos.size()];
-  const double loss = look(plan, photo);
-  if (!std::isfinite(loss))
-    throw Error(ErrorKind::Diverged, "training broke down: the loss is not a number",
-                {.where = fmt::format("step {}, photo {}", step_, view_.name), .hint = desc_.remedy, .code = "LOSS_NOT_FINITE"});
-  if (plan.pose_rates.turn > 0) poses_.descend(photo, pose_gradient_of(plan), plan.pose_rates);
-  update(plan);
-  record(loss, l1_);
+  if (device_knows(plan, desc_.losses, step_, state_)) {
+    step_on_device(plan, photo);
+  } else {
+    settle();
+    const double loss = look(plan, photo);
+    check_loss(loss, step_, view_.name);
+    if (plan.pose_rates.turn > 0) poses_.descend(photo, pose_gradient_of(plan), plan.pose_rates);
+    update(plan);
+    record(step_, surfels(LayerKind::Diffuse), loss, l1_);
+  }
   ++step_;
   end_step();
+  if (finished()) settle();
+}
+
+void Training::step_on_device(const StepPlan& plan, uint32_t photo) {
+  const PhotoLevel& level = desc_.capture.photos[photo].levels[plan.level];
+  view_ = level.view;
+  view_.cam_from_world = poses_.pose(photo);
+  settle(state_.step(device_step(plan, desc_.losses, state_, view_, is_withheld(plan, photo)),
+                     device_photo(photo, plan.level, level, desc_.targets.photos[photo][plan.level])));
+  unsettled_ = {step_, surfels(LayerKind::Diffuse), view_.name};
+}
+
+// What update() and record() do, for a step of the device.
+void Training::settle(const std::optional<blocks::StepReport>& report) {
+  if (!report) return;
+  check_loss(report->loss, unsettled_.step, unsettled_.photo);
+  const DescentCounts done{report->active, report->skipped};
+  state_.count_skipped(done.skipped);
+  check_descent({done, is_broken(done), done.active == 0}, unsettled_.step, unsettled_.photo);
+  record(unsettled_.step, unsettled_.surfels, report->loss, report->l1);
+}
+
+void Training::check_loss(double loss, uint64_t step, const std::string& photo) const {
+  if (!std::isfinite(loss))
+    throw Error(ErrorKind::Diverged, "training broke down: the loss is not a number",
+                {.where = fmt::format("step {}, photo {}", step, photo), .hint = desc_.remedy, .code = "LOSS_NOT_FINITE"});
+}
+
+void Training::move(LayerKind kind, const DensifyConfig& config, const LayerTraining::Move& move) {
+  const bool divides = config.strategy == DensifyStrategy::Divide;
+  if (kind == LayerKind::Diffuse && state_.on_device() && divides) {
+    state_.move(config, move);
+  } else if (divides || move.now) {
+    LayerTraining& layer = training(kind);
+    layer.move(config, move, scene_to_change().layer(kind));
+  }
 }
 
 PoseGradient Training::pose_gradient_of(const StepPlan& plan) const {
-  return pose_gradient(scene_.diffuse, grad_.diffuse, view_.cam_from_world, plan.image.diffuse.sh_degree);
+  return pose_gradient(scene().diffuse, grad_.diffuse, view_.cam_from_world, plan.image.diffuse.sh_degree);
 }
 
 void Training::align(uint32_t photo) {
@@ -95,9 +135,9 @@ double Training::look(const StepPlan& plan, uint32_t photo) {
     model_.options().diffuse.distortion |= term.factory->name == "distortion" && term.schedule.at(plan.fraction) > 0;
   decode(level, target_);
   decode(desc_.targets.photos[photo][plan.level], images_);
-  weigh_pixels(plan.specular_weight, !plan.withheld.empty() && plan.withheld[photo] != 0);
+  weigh_pixels(plan.specular_weight, is_withheld(plan, photo));
   choose_ray_pixels(plan);
-  model_.forward(scene_, view_, frame_);
+  model_.forward(scene(), view_, frame_);
   raise_clipped(frame_.srgb, target_);
   l1_ = write_error_image();
   return learn(plan, view_);
@@ -155,8 +195,9 @@ double Training::write_error_image() {
 
 // Evaluates the losses of a frame after forward; `grad_` becomes their gradient.
 double Training::learn(const StepPlan& plan, const View& view) {
+  const SplatScene& scene = this->scene();
   for (LayerKind kind : kAllLayers) {
-    const SplatLayer& layer = scene_.layer(kind);
+    const SplatLayer& layer = scene.layer(kind);
     SplatLayer& grad = grad_.layer(kind);
     if (grad.size() != layer.size() || grad.sh_degree() != layer.sh_degree()) grad = layer.zeros_like();
     grad.fill(0.f);
@@ -166,7 +207,7 @@ double Training::learn(const StepPlan& plan, const View& view) {
                         .prediction_srgb = frame_.srgb,
                         .target_srgb = target_,
                         .weight = weight_,
-                        .diffuse = &scene_.diffuse,
+                        .diffuse = &scene.diffuse,
                         .targets = images_.spans(),
                         .step = step_,
                         .reflection = loss_rays(frame_.reflection),
@@ -177,17 +218,16 @@ double Training::learn(const StepPlan& plan, const View& view) {
                         .reflection_first_hit = frame_.reflection.gradients.first_hit,
                         .transmission_first_hit = frame_.transmission.gradients.first_hit};
   const LossValues values = desc_.losses.evaluate(plan.fraction, input, gradient);
-  model_.backward(scene_, frame_, grad_);
+  model_.backward(scene, frame_, grad_);
   return values.total;
 }
 
 void Training::update(const StepPlan& plan) {
+  SplatScene& scene = scene_to_change();
   damping_.clear();
-  if (plan.glass_factor) freeze_glass(scene_.diffuse, *plan.glass_factor, damping_, frame_.statistics.error, grad_.diffuse);
-  if (plan.known_mirrors) freeze_mirrors(scene_.diffuse, *plan.known_mirrors, plan.mirror_factor, damping_);
-  DescentCounts worst;
-  bool blank = false;
-  broken_ = false;
+  if (plan.glass_factor) freeze_glass(scene.diffuse, *plan.glass_factor, damping_, frame_.statistics.error, grad_.diffuse);
+  if (plan.known_mirrors) freeze_mirrors(scene.diffuse, *plan.known_mirrors, plan.mirror_factor, damping_);
+  Descended all;
   for (LayerKind kind : kAllLayers) {
     const SurfelStatistics* const statistics = statistics_of(frame_, kind);
     if (!statistics) continue;
@@ -197,20 +237,26 @@ void Training::update(const StepPlan& plan) {
                                {.rates = plan.rates[static_cast<size_t>(kind)],
                                 .damping = diffuse ? std::span<const float>(damping_) : std::span<const float>(),
                                 .rarest = plan.rarest,
-                                .trained = scene_.layer(kind).size() - (diffuse ? plan.untrained : 0)},
-                               scene_.layer(kind));
-    const bool bad = double(done.skipped) > kBadShare * double(done.active);
-    if (bad && !broken_) worst = done;
-    broken_ |= bad;
-    blank |= diffuse && done.active == 0;
+                                .trained = scene.layer(kind).size() - (diffuse ? plan.untrained : 0)},
+                               scene.layer(kind));
+    const bool bad = is_broken(done);
+    if (bad && !all.broken) all.worst = done;
+    all.broken |= bad;
+    all.blank |= diffuse && done.active == 0;
   }
   if (plan.shapes) plan.shapes->descend(model_.shape().gradients(), plan.shape_rates);
   if (plan.medium) plan.medium->descend(model_.medium().gradient(), plan.medium_rate);
-  if (plan.one_glass) share_glass(scene_.diffuse);
-  bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
+  if (plan.one_glass) share_glass(scene.diffuse);
+  check_descent(all, step_, frame_.view->name);
+}
+
+void Training::check_descent(const Descended& done, uint64_t step, const std::string& photo) {
+  const DescentCounts& worst = done.worst;
+  broken_ = done.broken;
+  bad_streak_ = done.broken || done.blank ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)
     throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
-                {.where = fmt::format("step {}, photo {}", step_, frame_.view->name),
+                {.where = fmt::format("step {}, photo {}", step, photo),
                  .why = worst.active == 0 ? fmt::format("{} pictures in a row show no surfel", bad_streak_)
                                           : fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row",
                                                         worst.skipped, worst.active, bad_streak_),
@@ -222,7 +268,7 @@ bool Training::sound() const {
   if (broken_ || bad_streak_ >= kBlankPictures) return false;
   size_t all = 0, broken = 0;
   for (LayerKind kind : kAllLayers) {
-    const SplatLayer& layer = scene_.layer(kind);
+    const SplatLayer& layer = scene().layer(kind);
     std::vector<float> poison(layer.size(), 0.f);  // x * 0 is 0 only for finite numbers
     for (const AttributeRow& r : kAttributes)
       for (size_t i = 0, width = layer.width(r.id); width > 0 && i < layer.size(); ++i)
@@ -233,20 +279,21 @@ bool Training::sound() const {
   return double(broken) <= kBadShare * double(all);
 }
 
-void Training::record(double loss, double l1) {
-  recent_loss_ = step_ == 0 ? loss : recent_loss_ + kRecentLossDecay * (loss - recent_loss_);
+void Training::record(uint64_t step, size_t surfels, double loss, double l1) {
+  recent_loss_ = step == 0 ? loss : recent_loss_ + kRecentLossDecay * (loss - recent_loss_);
   const size_t photos = desc_.capture.train.size();
   epoch_.loss += loss / double(photos);
   epoch_.l1 += l1 / double(photos);
-  if ((step_ + 1) % photos != 0) return;
-  epoch_.step = step_ + 1;
-  epoch_.surfels = scene_.diffuse.size();
+  if ((step + 1) % photos != 0) return;
+  epoch_.step = step + 1;
+  epoch_.surfels = surfels;
   epochs_.push_back(epoch_);
   epoch_ = {};
 }
 
 void Training::run(const Run& run) {
   const auto keep = [&] {
+    settle();
     const bool worth = sound();
     if (worth) {
       Archive state;
@@ -286,17 +333,13 @@ bool Training::resume(const std::filesystem::path& checkpoint, const std::functi
 }
 
 void Training::transfer(Archive& archive) {
+  settle();
   archive.value(step_);
   archive.value(bad_streak_);
   archive.value(recent_loss_);
   archive.value(epoch_);
   archive.array(epochs_);
-  for (LayerKind kind : kAllLayers) {
-    SplatLayer& layer = scene_.layer(kind);
-    archive.layer(layer);
-    training(kind).transfer(archive);
-    if (layer.kind() != kind || training(kind).size() != layer.size()) archive.fail("its parts have different sizes");
-  }
+  state_.transfer(archive);
 }
 
 }  // namespace vitrine

@@ -2,6 +2,9 @@
 // shuffled for every epoch. A stage derives from it, provides the plan of each step and acts between steps; this class handles
 // photos, losses, statistics, checkpoints and the detection of divergence. A step depends only on the saved state, the options
 // and the photos: an interrupted run ends with the same bytes.
+//
+// Where a device is chosen that makes training steps, those that its kernels know (device_plan.cpp) run there, and the surfels
+// stay in its memory from one to the next (training_state.h).
 #pragma once
 
 #include <array>
@@ -21,6 +24,7 @@
 #include "core/learn/trainer/pose_training.h"
 #include "core/learn/trainer/shape_training.h"
 #include "core/learn/trainer/targets.h"
+#include "core/learn/trainer/training_state.h"
 #include "core/render/model/layered_model.h"
 
 namespace vitrine {
@@ -79,10 +83,13 @@ class Training {
   bool finished() const { return step_ >= desc_.steps; }
   uint64_t step_index() const { return step_; }
   double fraction() const { return double(step_) / double(desc_.steps); }
-  double recent_loss() const { return recent_loss_; }  // smoothed over about 50 steps
-  const SplatScene& scene() const { return scene_; }
+  // Smoothed over about 50 steps. A device adds a step when the next one runs; at the end of the run none is missing, nor in
+  // epochs().
+  double recent_loss() const { return recent_loss_; }
+  const SplatScene& scene() const { return state_.scene(); }
+  size_t surfels(LayerKind kind) const { return state_.surfels(kind); }  // without a copy from the device
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
-  const TrainCounts& counts(LayerKind kind) const { return layers_[static_cast<size_t>(kind)].counts(); }
+  const TrainCounts& counts(LayerKind kind) const { return state_.counts(kind); }
 
   // Resumes from a checkpoint. False: there is none, or it is damaged (`damaged` gets the reason); the training is then unusable.
   bool resume(const std::filesystem::path& checkpoint, const std::function<void(const std::string& why)>& damaged);
@@ -105,31 +112,53 @@ class Training {
   // Serialises the whole state. Throws Error{Input} if the data read is invalid.
   virtual void transfer(Archive& archive);
 
-  LayerTraining& training(LayerKind kind) { return layers_[static_cast<size_t>(kind)]; }
+  // To change surfels and what Adam knows of them: a device then takes both anew.
+  SplatScene& scene_to_change() { return state_.scene_to_change(); }
+  LayerTraining& training(LayerKind kind) { return state_.layer_to_change(kind); }
+  // LayerTraining::move, where the layer is.
+  void move(LayerKind kind, const DensifyConfig& config, const LayerTraining::Move& move);
+  uint32_t pictures(LayerKind kind) const { return state_.pictures(kind); }  // LayerTraining::pictures
+  bool has_opaque_twin() const { return state_.opaque_twin_surfels() > 0; }
 
-  SplatScene scene_;
   LayeredModel model_;
   PoseTraining poses_;  // of all photos
 
  private:
   double look(const StepPlan& plan, uint32_t photo);
+  void step_on_device(const StepPlan& plan, uint32_t photo);
+  void settle(const std::optional<blocks::StepReport>& report);
+  void settle() { settle(state_.report()); }
+  void check_loss(double loss, uint64_t step, const std::string& photo) const;
+  struct Descended {
+    DescentCounts worst;  // of a layer with many non-finite gradients
+    bool broken = false, blank = false;
+  };
+  void check_descent(const Descended& done, uint64_t step, const std::string& photo);
+  bool is_withheld(const StepPlan& plan, uint32_t photo) const { return !plan.withheld.empty() && plan.withheld[photo] != 0; }
   PoseGradient pose_gradient_of(const StepPlan& plan) const;  // after look()
   void weigh_pixels(float specular_weight, bool withheld);
   void choose_ray_pixels(const StepPlan& plan);
   double write_error_image();
   double learn(const StepPlan& plan, const View& view);
   void update(const StepPlan& plan);
-  void record(double loss, double l1);
+  void record(uint64_t step, size_t surfels, double loss, double l1);
 
   TrainingDesc desc_;
+  TrainingState state_;
   SplatScene grad_;
-  std::vector<LayerTraining> layers_;  // [layer kind]
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // consecutive steps with many non-finite gradients, or without a surfel
   bool broken_ = false;      // many non-finite gradients in the last step
   double recent_loss_ = 0;
   EpochRecord epoch_;  // running sums
   std::vector<EpochRecord> epochs_;
+
+  // Of the last step on a device, whose report is not read yet.
+  struct Unsettled {
+    uint64_t step = 0;
+    size_t surfels = 0;
+    std::string photo;
+  } unsettled_;
 
   View view_;      // of the photo
   double l1_ = 0;  // of its picture
@@ -140,5 +169,14 @@ class Training {
   std::vector<float> reflects_;  // [h,w] pixels that send reflection rays
   std::vector<float> damping_;   // [diffuse surfels]
 };
+
+// Steps on a device (device_plan.cpp).
+
+// Whether a device is chosen and its kernels know the step: the picture is that of one opaque layer, and all losses have kernels.
+bool device_knows(const StepPlan& plan, const LossSet& losses, uint64_t step_index, const TrainingState& state);
+// The step as the device takes it; `withheld`: the photo is (StepPlan::withheld).
+blocks::StepDesc device_step(const StepPlan& plan, const LossSet& losses, const TrainingState& state, const View& view,
+                             bool withheld);
+blocks::StepPhoto device_photo(uint32_t photo, size_t level, const PhotoLevel& picture, const TargetLevel& targets);
 
 }  // namespace vitrine

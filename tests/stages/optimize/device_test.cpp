@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/foundation/base/json.h"
+#include "core/learn/trainer/blocks/step_blocks.h"
 #include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/device.h"
 #include "core/scene/surfels/splat_scene.h"
@@ -18,11 +19,15 @@ class TrainingOnADevice : public ::testing::Test {
   TrainingOnADevice() { testing::write_tiny_sfm(folder_.path() / "sfm", 8); }
   ~TrainingOnADevice() override {
     provide_device(before_);
+    provide_step_device(steps_before_);
     use_device(Device::Cpu);
   }
   static void give_kernels() {
     provide_device([]() -> std::unique_ptr<blocks::BlockPass> {
       return std::make_unique<blocks::ExecutorPass<blocks::BlockLoops>>(blocks::BlockLoops());
+    });
+    provide_step_device([]() -> std::unique_ptr<blocks::StepPass> {
+      return std::make_unique<blocks::StepBlocks<blocks::BlockLoops>>(blocks::BlockLoops());
     });
   }
   // Exit code of vitrine-optimize; its results are in `name`.
@@ -43,9 +48,12 @@ class TrainingOnADevice : public ::testing::Test {
     EXPECT_EQ(train("keys", device, {"--print-key"}), 0);
     return json::parse(::testing::internal::GetCapturedStdout());
   }
-  SplatLayer surfels(const std::string& name) { return read_layer(folder_.path() / name / "gaussians/diffuse.ply"); }
+  SplatLayer surfels(const std::string& name, LayerKind kind = LayerKind::Diffuse) {
+    return read_layer(folder_.path() / name / "gaussians" / fmt::format("{}.ply", vitrine::name(kind)));
+  }
 
   DevicePassMaker before_ = provide_device(nullptr);
+  StepPassMaker steps_before_ = provide_step_device(nullptr);
   TemporaryFolder folder_;
 };
 
@@ -73,6 +81,20 @@ TEST_F(TrainingOnADevice, GivesTheSceneOfTheCpuUnderItsOwnKey) {
     }
   EXPECT_GT(other, 100u) << "the device was not used";
   EXPECT_LT(worst, 0.2) << "Adam makes steps of tiny gradients, too";
+}
+
+// Layers that begin and gaps that are closed change the surfels on the host, in the middle of the run.
+TEST_F(TrainingOnADevice, GoesOnWhenALayerBegins) {
+  give_kernels();
+  for (const char* name : {"device", "again"})
+    ASSERT_EQ(train(name, "cuda", {"--set", "layers=full", "--set", "iterations=20", "--set", "fill_unseen=true"}), 0);
+  ASSERT_EQ(train("cpu", "cpu", {"--set", "layers=full", "--set", "iterations=20", "--set", "fill_unseen=true"}), 0);
+  for (LayerKind kind : kAllLayers) {
+    SCOPED_TRACE(vitrine::name(kind));
+    const SplatLayer device = surfels("device", kind), cpu = surfels("cpu", kind);
+    EXPECT_EQ(device, surfels("again", kind));
+    EXPECT_EQ(device.size(), cpu.size());
+  }
 }
 
 TEST_F(TrainingOnADevice, WithoutOneIsAnErrorAndLeavesNothing) {

@@ -11,7 +11,7 @@ namespace vitrine::blocks {
 
 // An attribute of all surfels, [n, width].
 struct AdamColumn {
-  const float* gradient;
+  const float* gradient;  // null: zeros
   float *m, *v, *x;
   uint32_t width;      // 0: the layer lacks it
   float rate;          // 0: it is not trained
@@ -52,7 +52,7 @@ struct AdamSurfelKernel {
   VITRINE_HD bool finite(uint32_t i) const {
     constexpr uint32_t kExponent = 0x7f800000u;
     for (const AdamColumn& c : columns.column)
-      for (uint32_t k = 0; k < c.width; ++k)
+      for (uint32_t k = 0; c.gradient != nullptr && k < c.width; ++k)
         if ((float_bits(c.gradient[size_t{c.width} * i + k]) & kExponent) == kExponent) return false;
     return true;
   }
@@ -77,7 +77,8 @@ struct AdamUpdateKernel {
     if (factors.shape != nullptr && column.shape) rate *= F32(factors.shape[i]);
     if (factors.place != nullptr && column.places) rate *= F32(factors.place[i]);
     F32 m(column.m[j]), v(column.v[j]), x(column.x[j]);
-    adam_update<F32>(column.gradient[j], {rate * F32(step[i]), F32(root[i]), F32(1.f)}, beta1, beta2, epsilon, m, v, x);
+    const F32 gradient(column.gradient == nullptr ? 0.f : column.gradient[j]);
+    adam_update<F32>(gradient, {rate * F32(step[i]), F32(root[i]), F32(1.f)}, beta1, beta2, epsilon, m, v, x);
     column.m[j] = m.v;
     column.v[j] = v.v;
     column.x[j] = x.v;

@@ -39,8 +39,8 @@ struct StatisticsKernel {
   }
 };
 
-// Surfels with weight in the picture take a step. Its factors: all, by how seldom photos show the surfel
-// (SurfelAccumulator::rarity); place, by its distance (far_factor).
+// Surfels with weight in the picture take a step, but for those behind the first `trained`. Its factors: all, by how seldom
+// photos show the surfel (SurfelAccumulator::rarity); place, by its distance (far_factor).
 struct FactorKernel {
   static constexpr uint32_t kThreads = 128;
   using Shared = NoShared;
@@ -49,13 +49,13 @@ struct FactorKernel {
   float rarest;                                    // largest factor
   uint8_t* active;
   float *all, *place;
-  uint32_t surfels;
+  uint32_t surfels, trained;
 
   VITRINE_HD bool has_phase(uint32_t phase, const Shared&) const { return phase < 1; }
   VITRINE_HD void run(uint32_t, Place at, Thread&, Shared&) const {
     const uint32_t i = at.block * kThreads + at.thread;
     if (i >= surfels) return;
-    active[i] = weight[i] > 0.f ? 1 : 0;
+    active[i] = i < trained && weight[i] > 0.f ? 1 : 0;
     const F32 mean_share = F32(*share_sum) / F32(static_cast<float>(surfels));
     all[i] = rarity_factor(mean_share, F32(share[i]), F32(rarest)).v;
     const float* m = mean + size_t{3} * i;

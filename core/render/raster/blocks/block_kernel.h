@@ -101,6 +101,8 @@ class BlockLoops {
     for (const uint32_t block : shuffled(blocks, 0)) run_block(kernel, block);
   }
 
+  // Bytes that arrays can still take.
+  size_t free_memory() const { return ~size_t{0}; }
   // One value that a kernel wrote.
   template <class T>
   T read(const T* value) const {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <typeinfo>
+#include <utility>
 
 #include "core/render/raster/blocks/block_pass.h"
 
@@ -40,6 +41,13 @@ class CudaArray {
   CudaArray() = default;
   CudaArray(const CudaArray&) = delete;
   CudaArray& operator=(const CudaArray&) = delete;
+  CudaArray(CudaArray&& other) noexcept { *this = std::move(other); }
+  CudaArray& operator=(CudaArray&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
   ~CudaArray() { device_bytes_held() -= capacity_ * sizeof(T); }
   void resize(size_t size) {
     if (size > capacity_) {
@@ -112,6 +120,12 @@ class CudaLaunch {
     (*kernel_ms_)[kernel_name<Kernel>()] += ms;
     cudaEventDestroy(begin);
     cudaEventDestroy(end);
+  }
+  // Of the device, bytes.
+  size_t free_memory() const {
+    size_t free = 0, all = 0;
+    check_cuda(cudaMemGetInfo(&free, &all), "its memory is unknown");
+    return free;
   }
   template <class T>
   T read(const T* value) const {

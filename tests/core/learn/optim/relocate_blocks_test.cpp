@@ -113,18 +113,19 @@ TEST(StatisticsBlocks, GiveTheStepsOfTheCpu) {
   BlockLoops loops;
   blocks::TreeSumMemory<BlockLoops> memory;
   const SurfelStatistics picture = statistics_of(9);
+  constexpr uint32_t kTrained = kCount - 10;
   std::vector<uint8_t> active(kCount);
   std::vector<float> all(kCount), place(kCount);
   const float* sum = blocks::tree_sum(loops, memory, arrays.share.data(), kCount);
   loops.launch(blocks::FactorKernel{picture.weight.data(), arrays.share.data(), sum, arrays.x[0].data(), 4.f, active.data(),
-                                    all.data(), place.data(), kCount},
+                                    all.data(), place.data(), kCount, kTrained},
                blocks::blocks_for(kCount, 128));
   SurfelAccumulator accumulator;
   accumulator.share.assign(arrays.share.begin(), arrays.share.begin() + kCount);
   std::vector<float> rarity;
   accumulator.rarity(4.f, rarity);
   for (size_t i = 0; i < kCount; ++i) {
-    ASSERT_EQ(active[i], picture.weight[i] > 0);
+    ASSERT_EQ(active[i], i < kTrained && picture.weight[i] > 0);
     ASSERT_NEAR(all[i], rarity[i], 1e-6);
     ASSERT_NEAR(place[i], far_factor(arrays.x[0].data() + 3 * i), 1e-6);
   }

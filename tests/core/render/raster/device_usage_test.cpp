@@ -123,7 +123,7 @@ TEST(DeviceUsage, KernelsOfRaysStayInTheirRegisters) {
 }
 
 TEST(DeviceUsage, KernelsOfTrainingStayInTheirRegisters) {
-  expect_registers("gpu_steps.usage", {{"DisplayKernel", 40},
+  expect_registers("cuda_steps.usage", {{"DisplayKernel", 40},
                                        {"DisplayReverseKernel", 40},
                                        {"TreeSumKernel", 32},
                                        {"L1Kernel", 40},
@@ -138,11 +138,15 @@ TEST(DeviceUsage, KernelsOfTrainingStayInTheirRegisters) {
                                        {"ChancePartsKernel", 32},
                                        {"SlotKernel", 32},
                                        {"ParentKernel", 32},
-                                       {"DivideKernel", 64}});
+                                       {"DivideKernel", 64},
+                                       {"TargetKernel", 32},
+                                       {"ScaleKernel", 32},
+                                       {"PixelWeightKernel", 32},
+                                       {"CopyKernel", 32}});
 }
 
 TEST(DeviceUsage, KernelsOfLossesStayInTheirRegisters) {
-  expect_registers("gpu_losses.usage", {{"FillKernel", 32},
+  expect_registers("cuda_steps.usage", {{"FillKernel", 32},
                                         {"GatherKernel", 32},
                                         {"NormalConsistencyKernel", 40},
                                         {"DepthGradientKernel", 40},
