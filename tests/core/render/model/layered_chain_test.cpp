@@ -81,14 +81,15 @@ PixelGrad specified(const LayeredRoom& room, const ImageOptions& options, const 
   return {value.d};
 }
 
-class LayeredChain : public testing::TestWithParam<std::tuple<LayerBlend, Lobe>> {};
+class LayeredChain : public testing::TestWithParam<std::tuple<LayerBlend, Lobe, TracerBackend>> {};
 
 TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   ImageOptions options;
   options.diffuse.backend = Backend::Reference;
   options.surface.normal_quantile = 1;
   options.composite.gate = 0;
-  std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
+  std::tie(options.composite.blend, options.reflection.lobe, options.reflection.backend) = GetParam();
+  options.transmission.backend = options.reflection.backend;
   options.reflection.samples = options.reflection.lobe == Lobe::Sampled ? 3 : 1;
   const LayeredRoom room = furnished_room({}, 3);
   // A loss that is linear in the radiance: there is no display.
@@ -152,7 +153,8 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
 
 INSTANTIATE_TEST_SUITE_P(All, LayeredChain,
                          testing::Combine(testing::Values(LayerBlend::RtrGs, LayerBlend::Layered),
-                                          testing::Values(Lobe::Mirror, Lobe::Sampled)));
+                                          testing::Values(Lobe::Mirror, Lobe::Sampled),
+                                          testing::Values(TracerBackend::Embree, TracerBackend::Blocks)));
 
 }  // namespace
 }  // namespace vitrine
