@@ -5,6 +5,7 @@
 #include "core/learn/trainer/blocks/step_blocks.h"
 #include "core/render/raster/blocks/block_pass.h"
 #include "core/render/raster/device.h"
+#include "core/render/trace/blocks/trace_pass.h"
 #include "core/scene/surfels/splat_scene.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/tiny_capture.h"
@@ -20,6 +21,7 @@ class TrainingOnADevice : public ::testing::Test {
   ~TrainingOnADevice() override {
     provide_device(before_);
     provide_step_device(steps_before_);
+    provide_device_tracer(tracers_before_);
     use_device(Device::Cpu);
   }
   static void give_kernels() {
@@ -28,6 +30,10 @@ class TrainingOnADevice : public ::testing::Test {
     });
     provide_step_device([]() -> std::unique_ptr<blocks::StepPass> {
       return std::make_unique<blocks::StepBlocks<blocks::BlockLoops>>(blocks::BlockLoops());
+    });
+    provide_device_tracer([]() -> std::unique_ptr<blocks::TracePass> {
+      ++tracers;
+      return std::make_unique<blocks::ExecutorTrace<blocks::BlockLoops>>(blocks::BlockLoops());
     });
   }
   // Exit code of vitrine-optimize; its results are in `name`.
@@ -54,6 +60,8 @@ class TrainingOnADevice : public ::testing::Test {
 
   DevicePassMaker before_ = provide_device(nullptr);
   StepPassMaker steps_before_ = provide_step_device(nullptr);
+  DeviceTraceMaker tracers_before_ = provide_device_tracer(nullptr);
+  static inline int tracers = 0;  // made on the device
   TemporaryFolder folder_;
 };
 
@@ -88,7 +96,10 @@ TEST_F(TrainingOnADevice, GoesOnWhenALayerBegins) {
   give_kernels();
   for (const char* name : {"device", "again"})
     ASSERT_EQ(train(name, "cuda", {"--set", "layers=full", "--set", "iterations=20", "--set", "fill_unseen=true"}), 0);
+  EXPECT_GT(tracers, 0);
+  tracers = 0;
   ASSERT_EQ(train("cpu", "cpu", {"--set", "layers=full", "--set", "iterations=20", "--set", "fill_unseen=true"}), 0);
+  EXPECT_EQ(tracers, 0);
   for (LayerKind kind : kAllLayers) {
     SCOPED_TRACE(vitrine::name(kind));
     const SplatLayer device = surfels("device", kind), cpu = surfels("cpu", kind);
