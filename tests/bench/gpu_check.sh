@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The kernels for a GPU on a card: builds vitrine-gpu-check, compares the bytes of the device with those of the loops on the CPU and of a
-# second run, and prints the time of each kernel, of training steps (480 x 270 with 50,000 surfels, 1280 x 800 with 300,000) and of one million
-# rays (300,000 surfels). Then `preview` of sample_data/cabinet, its training with --device cuda and with --device cpu: seconds and dB of held-out photos. At last
-# compute-sanitizer looks for races where it is installed.
+# second run, and prints the time of each kernel, of training steps, whose surfels stay on the device (480 x 270 with 50,000 of them,
+# 1280 x 800 with 300,000), and of one million rays (300,000 surfels). Then `preview` of sample_data/cabinet, its training with
+# --device cuda and with --device cpu: seconds and dB of held-out photos. At last compute-sanitizer looks for races where it is installed.
 #
 #   tests/bench/gpu_check.sh [BUILD]       BUILD: folder of the build (default: build of this checkout, configured if it is not)
 #
