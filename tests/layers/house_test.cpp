@@ -22,7 +22,7 @@ struct Ceiling {
   size_t lines, private_words;
 };
 constexpr Ceiling kCeilings[] = {{"core/foundation", 6000, 0}, {"core/scene", 15000, 3},  {"core/intake", 10450, 36},
-                                 {"core/observe", 5700, 0},    {"core/render", 17850, 0}, {"core/learn", 5050, 0},
+                                 {"core/observe", 5700, 0},    {"core/render", 19350, 0}, {"core/learn", 6450, 0},
                                  {"stages", 37350, 35},        {"pipeline", 9050, 0}};
 constexpr size_t kSmallFileLines = 40;
 constexpr size_t kMostSmallFiles = 128, kMostConstants = 1461, kMostQuestionHeaders = 0;
