@@ -46,7 +46,7 @@ class Renderer {
   virtual RasterCounts counts() const = 0;
   virtual std::string_view name() const = 0;
   // Part of cache keys: results with different tags may differ in the last bits ("reference", "cpu-avx2", "cpu-avx512",
-  // "cuda-1").
+  // "cuda-2").
   virtual std::string_view numerics_tag() const = 0;
 };
 

@@ -68,7 +68,7 @@ class TrainingOnADevice : public ::testing::Test {
 TEST_F(TrainingOnADevice, GivesTheSceneOfTheCpuUnderItsOwnKey) {
   give_kernels();
   const json of_device = key("cuda");
-  EXPECT_EQ(of_device.at("terms").at("tool.renderer"), "cuda-1");
+  EXPECT_EQ(of_device.at("terms").at("tool.renderer"), "cuda-2");
   EXPECT_EQ(key("auto"), of_device);
   EXPECT_EQ(key("cpu"), key(""));
   EXPECT_NE(key("cpu").at("key"), of_device.at("key"));

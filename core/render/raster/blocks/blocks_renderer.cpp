@@ -102,7 +102,7 @@ class BlocksRenderer final : public Renderer {
   }
   RasterCounts counts() const override { return counts_; }
   std::string_view name() const override { return "blocks"; }
-  std::string_view numerics_tag() const override { return "cuda-1"; }  // the same on the CPU and on every device
+  std::string_view numerics_tag() const override { return "cuda-2"; }  // the same on the CPU and on every device
 
  private:
   DeviceLoad load() const { return {layer_->size(), desc_.intrinsics.width, desc_.intrinsics.height}; }

@@ -184,7 +184,7 @@ TEST(Blocks, GivesTheBytesOfItsTag) {
   Hasher planes, gradients;
   const auto all = passes(*renderer, scene);
   for (size_t i = 0; i < all.size(); ++i) (i < kAovCount ? planes : gradients).add(std::as_bytes(std::span(all[i])));
-  EXPECT_EQ(renderer->numerics_tag(), "cuda-1");
+  EXPECT_EQ(renderer->numerics_tag(), "cuda-2");
   EXPECT_GT(renderer->counts().fragments, 10000u);
   EXPECT_EQ(planes.digest().short_hex(), "39a98ce03399");
   EXPECT_EQ(gradients.digest().short_hex(), "b8eb830e7bf0");

@@ -51,7 +51,7 @@ TEST_F(DeviceChoice, RenderersAreThoseOfTheDevice) {
   EXPECT_EQ(tag(), cpu_) << "before one is chosen";
   for (const Device device : {Device::Cuda, Device::Auto}) {
     EXPECT_EQ(use_device(device), "");
-    EXPECT_EQ(tag(), "cuda-1");
+    EXPECT_EQ(tag(), "cuda-2");
     EXPECT_EQ(make_renderer(Backend::Reference)->numerics_tag(), "reference");
     EXPECT_EQ(make_renderer(Backend::Cpu, Simd::Avx2)->numerics_tag(), "cpu-avx2");
   }
